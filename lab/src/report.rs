@@ -1,0 +1,59 @@
+//! What a run of the lab leaves behind: terminal tables, `report.json`, frame-time figures and
+//! `index.html`.
+//!
+//! The data model holds measured numbers only; everything here is a pure function of a
+//! [`Report`], except [`write()`], which writes files, and [`Machine::detect`], which asks the
+//! machine for its name. Times are in microseconds and lengths in millimetres, as the field names
+//! say.
+
+mod data;
+mod figure;
+mod format;
+mod html;
+mod json;
+mod labels;
+mod machine;
+mod palette;
+mod plan;
+mod series;
+mod sheet;
+mod table;
+
+use std::io;
+use std::path::Path;
+
+pub use data::{
+    BALL_OVERLAP_MM_MAX, Ball, FrameSample, HAND_FIXED_OVERLAP_MM_MAX, HandCoverage, Machine,
+    Phase, Quantiles, Report, Run,
+};
+pub use figure::frame_time_svg;
+pub use html::index_html;
+pub use json::to_json;
+pub use table::table;
+
+/// Writes `report.json`, `frame-time-<slug>.svg` for each run and `index.html` into `out_dir`,
+/// creating it if needed.
+///
+/// Files of these names are replaced, others are left alone.
+///
+/// # Errors
+/// The first file-system error, or [`io::ErrorKind::InvalidData`] before anything is written if a
+/// number in the report is not finite (JSON has no word for it).
+pub fn write(report: &Report, out_dir: &Path) -> io::Result<()> {
+    let json = to_json(report)?;
+    std::fs::create_dir_all(out_dir)?;
+    std::fs::write(out_dir.join("report.json"), json)?;
+    for (run, slug) in report.runs.iter().zip(report.slugs()) {
+        std::fs::write(out_dir.join(figure_file_name(&slug)), frame_time_svg(run))?;
+    }
+    std::fs::write(out_dir.join("index.html"), index_html(report))
+}
+
+fn figure_file_name(slug: &str) -> String {
+    format!("frame-time-{slug}.svg")
+}
+
+#[cfg(test)]
+mod sample;
+#[cfg(test)]
+mod tests;

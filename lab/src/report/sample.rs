@@ -1,0 +1,140 @@
+//! Made-up reports with the shape of real ones.
+
+use super::{Ball, FrameSample, HandCoverage, Machine, Phase, Quantiles, Report, Run};
+
+/// Name, number of frames, typical frame time in microseconds, typical number of contacts.
+type Plan = (&'static str, u32, f64, f64);
+
+pub const PAPER_PHASES: [Plan; 4] = [
+    ("idle", 903, 2.1, 0.0),
+    ("slide there", 900, 34.0, 9.0),
+    ("slide back", 850, 31.0, 8.0),
+    ("push the ball (free set)", 1000, 44.0, 12.0),
+];
+
+pub fn report() -> Report {
+    let runs = [
+        ("ball as sphere, no noise", Ball::Sphere, false),
+        ("ball as sphere, noise", Ball::Sphere, true),
+        ("ball as hull, no noise", Ball::Hull, false),
+        ("ball as hull, noise", Ball::Hull, true),
+    ];
+    let runs = runs.into_iter().zip(1..);
+    Report {
+        title: "Palpable: the hand in the art gallery".to_owned(),
+        machine: Machine::detect(),
+        hand: HandCoverage {
+            parts: 18,
+            uncovered_share: 0.0123,
+            uncovered_mm_max: 1.84,
+            sticking_out_mm_max: 3.21,
+            sticking_out_mm_mean: 0.412,
+        },
+        runs: runs
+            .map(|((name, ball, noise), seed)| run(name, ball, noise, seed, &PAPER_PHASES))
+            .collect(),
+    }
+}
+
+pub fn run(name: &str, ball: Ball, noise: bool, seed: u64, plans: &[Plan]) -> Run {
+    let mut chance = Chance(seed);
+    let mut run = Run {
+        name: name.to_owned(),
+        ball,
+        noise,
+        frames: plans.iter().map(|plan| plan.1).sum(),
+        state_hash: format!("{:016x}", seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)),
+        phases: Vec::new(),
+        samples: Vec::new(),
+    };
+    for plan in plans {
+        let first_frame = run.samples.len() as u32;
+        let samples: Vec<FrameSample> = (first_frame..first_frame + plan.1)
+            .map(|frame| sample(frame, plan, &mut chance))
+            .collect();
+        run.phases.push(phase(plan.0, first_frame, &samples));
+        run.samples.extend(samples);
+    }
+    run
+}
+
+fn sample(frame: u32, plan: &Plan, chance: &mut Chance) -> FrameSample {
+    let wave =
+        1.0 + 0.35 * (f64::from(frame) * 0.013).sin() + 0.2 * (f64::from(frame) * 0.11).sin();
+    let spike = if chance.next() < 0.006 {
+        2.0 + 8.0 * chance.next()
+    } else {
+        1.0
+    };
+    let contacts = (plan.3 * wave + 1.5 * chance.next()) as u32 * u32::from(plan.3 > 0.0);
+    FrameSample {
+        frame,
+        time_us: short(plan.2 * wave * spike * (0.8 + 0.5 * chance.next())),
+        contacts,
+        impulses: if plan.3 > 10.0 {
+            (f64::from(contacts) * 2.5 * chance.next()) as u32
+        } else {
+            0
+        },
+        units: u64::from(40 + contacts * 31),
+        overlap_mm: short(0.08 * chance.next() * f64::from(contacts.min(1))),
+    }
+}
+
+fn phase(name: &str, first_frame: u32, samples: &[FrameSample]) -> Phase {
+    let mut times: Vec<f64> = samples.iter().map(|sample| sample.time_us).collect();
+    let none = Quantiles {
+        median: 0.0,
+        p99: 0.0,
+        p999: 0.0,
+        max: 0.0,
+    };
+    let contacts = samples
+        .iter()
+        .map(|sample| f64::from(sample.contacts))
+        .sum::<f64>();
+    let is_free = samples.iter().any(|sample| sample.contacts == 0);
+    Phase {
+        name: name.to_owned(),
+        first_frame,
+        frames: samples.len() as u32,
+        frame_time_us: Quantiles::from_samples(&mut times).unwrap_or(none),
+        overlap_hand_fixed_mm_max: samples
+            .iter()
+            .map(|sample| sample.overlap_mm)
+            .fold(0.0, f64::max),
+        overlap_ball_fixed_mm_max: 0.0002,
+        overlap_hand_ball_mm_max: if is_free { 0.0 } else { 1.25 },
+        free_lag_mm_max: is_free.then_some(0.0),
+        jitter_mm_max: (!is_free).then_some(0.0),
+        contacts_max: samples
+            .iter()
+            .map(|sample| sample.contacts)
+            .max()
+            .unwrap_or(0),
+        contacts_mean: short(contacts / samples.len().max(1) as f64),
+        impulses_total: samples
+            .iter()
+            .map(|sample| u64::from(sample.impulses))
+            .sum(),
+        units_total: samples.iter().map(|sample| sample.units).sum(),
+        units_max: samples.iter().map(|sample| sample.units).max().unwrap_or(0),
+    }
+}
+
+/// Rounds to few enough decimals for every JSON parser to read the same bits back.
+fn short(value: f64) -> f64 {
+    (value * 1024.0).round() / 1024.0
+}
+
+/// Numbers from 0 to 1 that are the same on every call (xorshift64*).
+struct Chance(u64);
+
+impl Chance {
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 / (1u64 << 53) as f64
+    }
+}

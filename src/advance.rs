@@ -1,0 +1,257 @@
+//! 5 advance: moving along a path that never overlaps.
+//!
+//! A driven body goes from its last published pose toward where its coupling wants it, as far as
+//! conservative advancement certifies the way clear. Contacts bend the rest of the way: the least
+//! change of the wanted pose that keeps every touching piece outside its contact plane (Gauss's
+//! principle of least constraint; Ortega, Redon and Coquillart 2007, section 4, restricted to
+//! translations as the paper's hand is). Every pose on the way is certified, so the way may be cut
+//! anywhere and is safe.
+
+mod slide;
+mod sweep;
+
+use glam::Vec3;
+
+use crate::frame::FrameReport;
+use crate::geometry::motion::{Track, interpolate};
+use crate::limits::{ADVANCE_UNITS_MAX, GAP_TOUCHING_M, LEGS_MAX, PAIR_MARGIN_M, STILL_M};
+use crate::math::{self, Pose};
+use crate::pairs::{self, BodyTrack, PairsFull};
+use crate::state::State;
+use crate::state::bodies::{BodyKind, DrivenReport, Leg};
+use crate::state::pieces::PiecesOf;
+
+/// Where a driven body is on its way through the frame.
+#[derive(Clone, Copy, Debug)]
+struct Position {
+    root: Pose,
+    local: f32,
+}
+
+/// Where the next leg goes.
+#[derive(Clone, Copy, Debug)]
+struct Plan {
+    goal: Position,
+    /// Contact changed the goal.
+    bent: bool,
+}
+
+/// Units that may still be spent.
+pub(crate) struct Purse {
+    pub left: u32,
+    pub spent: u32,
+}
+
+impl Purse {
+    pub(crate) fn new(units: u32) -> Self {
+        Self {
+            left: units,
+            spent: 0,
+        }
+    }
+
+    /// Takes one unit; false when there is none left.
+    pub(crate) fn take(&mut self) -> bool {
+        if self.left == 0 {
+            return false;
+        }
+        self.left -= 1;
+        self.spent += 1;
+        true
+    }
+}
+
+/// Moves every driven body as far as its way is clear. Spends at most `units`, one for each
+/// distance query; what it spent.
+pub(crate) fn run(state: &mut State, units: u32, report: &mut FrameReport) -> u32 {
+    let mut left = units;
+    for body in 0..state.registers.body_slots as usize {
+        if pairs::is_body_of(state, body, BodyKind::Driven) {
+            let mut purse = Purse::new(left.min(ADVANCE_UNITS_MAX));
+            let flags = advance(state, body, &mut purse);
+            state.bodies.report[body].flags |= flags;
+            report.flags |= frame_flags(flags);
+            left -= purse.spent;
+        }
+    }
+    units - left
+}
+
+/// What the frame's report says of a body's flags.
+fn frame_flags(flags: u32) -> u32 {
+    let says = |flag: u32, frame: u32| if flags & flag == 0 { 0 } else { frame };
+    says(DrivenReport::CUT, FrameReport::ADVANCE_CUT)
+        | says(DrivenReport::POOL_FULL, FrameReport::FULL_PAIRS)
+        | says(DrivenReport::OVERLAPS, FrameReport::OVERLAP)
+}
+
+/// Plans and walks the legs of one body's way; the flags to report.
+fn advance(state: &mut State, body: usize, purse: &mut Purse) -> u32 {
+    let start = Position {
+        root: state.bodies.pose[body],
+        local: 0.0,
+    };
+    let wanted = Position {
+        root: state.legs.wanted[body],
+        local: 1.0,
+    };
+    if start.root == wanted.root && locals_rest(state, body) {
+        return 0;
+    }
+    match walk(state, body, start, wanted, purse) {
+        Ok(flags) => flags,
+        Err(PairsFull) => {
+            state.legs.count[body] = 0;
+            DrivenReport::POOL_FULL | DrivenReport::HELD
+        }
+    }
+}
+
+fn locals_rest(state: &State, body: usize) -> bool {
+    let pieces = &state.pieces;
+    PiecesOf::new(pieces.next, state.bodies.first_piece[body])
+        .all(|piece| pieces.local[piece] == pieces.local_target[piece])
+}
+
+fn walk(
+    state: &mut State,
+    body: usize,
+    start: Position,
+    wanted: Position,
+    purse: &mut Purse,
+) -> Result<u32, PairsFull> {
+    let mut at = start;
+    let mut count = pairs::collect_driven(state, body, &track(&at, &wanted))?;
+    let mut covered = Cover::between(&at, &wanted);
+    let mut flags = 0;
+    let mut keep_turn = false;
+    for _ in 0..LEGS_MAX {
+        if !sweep::measure_touching(state, count, &at, purse) {
+            flags |= DrivenReport::CUT;
+            break;
+        }
+        if sweep::overlaps(state, count) {
+            flags |= DrivenReport::OVERLAPS;
+        }
+        let plan = slide::plan(state, count, &at, &wanted, keep_turn);
+        if !covered.holds(&at, &plan.goal) {
+            count = pairs::collect_driven(state, body, &track(&at, &plan.goal))?;
+            covered = Cover::between(&at, &plan.goal);
+            if !sweep::measure_touching(state, count, &at, purse) {
+                flags |= DrivenReport::CUT;
+                break;
+            }
+        }
+        flags |= if plan.bent { DrivenReport::TOUCHING } else { 0 };
+        let leg = track(&at, &plan.goal);
+        let way = way_m(state, body, &leg);
+        if plan.bent && way < STILL_M {
+            break;
+        }
+        let swept = sweep::run(state, count, &leg, purse);
+        let ends_here = swept.reached >= 1.0 || swept.cut;
+        let taken = swept.reached >= 1.0 || swept.reached * way >= STILL_M;
+        if taken {
+            at = push_leg(state, body, &at, &plan.goal, swept.reached);
+        }
+        sweep::carry_over(state, count, &leg, if taken { swept.reached } else { 0.0 });
+        flags |= if swept.cut { DrivenReport::CUT } else { 0 };
+        if ends_here {
+            break;
+        }
+        flags |= DrivenReport::TOUCHING;
+        // Blocked at once though the contacts' planes allowed the way: the turn itself is in the way.
+        keep_turn = !taken && plan.bent;
+    }
+    Ok(flags | held(state, body))
+}
+
+fn held(state: &State, body: usize) -> u32 {
+    if state.legs.count[body] == 0 {
+        DrivenReport::HELD
+    } else {
+        0
+    }
+}
+
+fn track(from: &Position, to: &Position) -> BodyTrack {
+    BodyTrack {
+        root: Track::between(from.root, to.root),
+        local_from: from.local,
+        local_to: to.local,
+    }
+}
+
+/// The longest way of any point of the body.
+fn way_m(state: &State, body: usize, leg: &BodyTrack) -> f32 {
+    let mut way = 0.0;
+    for piece in PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]) {
+        way = math::max(way, pairs::piece_motion(state, piece, leg).way_m());
+    }
+    way
+}
+
+/// Adds a leg and gives where it ends. Time is shared out as if the body covered each leg's whole
+/// length in what was left of the frame.
+fn push_leg(
+    state: &mut State,
+    body: usize,
+    from: &Position,
+    goal: &Position,
+    reached: f32,
+) -> Position {
+    let begun = state.legs.of(body).last().map_or(0.0, |leg| leg.end_time);
+    state.legs.push(
+        body,
+        Leg {
+            from: from.root,
+            to: goal.root,
+            local_from: from.local,
+            local_to: goal.local,
+            reached,
+            end_time: if reached >= 1.0 {
+                1.0
+            } else {
+                begun + (1.0 - begun) * reached
+            },
+        },
+    );
+    let local = if reached >= 1.0 {
+        goal.local
+    } else {
+        from.local + (goal.local - from.local) * reached
+    };
+    state.legs.local_share[body] = local;
+    Position {
+        root: interpolate(&from.root, &goal.root, reached),
+        local,
+    }
+}
+
+/// Ways for which the pairs at hand are all there can be.
+struct Cover {
+    low: Vec3,
+    high: Vec3,
+}
+
+impl Cover {
+    fn between(at: &Position, goal: &Position) -> Self {
+        let (from, to) = (at.root.translation(), goal.root.translation());
+        Self {
+            low: math::min_each(from, to) - Vec3::splat(PAIR_MARGIN_M),
+            high: math::max_each(from, to) + Vec3::splat(PAIR_MARGIN_M),
+        }
+    }
+
+    /// Whether the boxes that were paired hold this way too: turn and local poses lie between those
+    /// that were swept, so only the root's translation can leave them.
+    fn holds(&self, at: &Position, goal: &Position) -> bool {
+        let inside = |p: Vec3| p.cmpge(self.low).all() && p.cmple(self.high).all();
+        inside(at.root.translation()) && inside(goal.root.translation())
+    }
+}
+
+/// Whether a gap counts as contact.
+fn touches(gap: f32) -> bool {
+    gap <= GAP_TOUCHING_M
+}

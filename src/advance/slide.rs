@@ -1,0 +1,187 @@
+//! Bending a way along contact planes.
+
+use arrayvec::ArrayVec;
+use glam::Vec3;
+
+use super::{Plan, Position, touches, track};
+use crate::geometry::time_of_contact::plane_gap;
+use crate::limits::{GAP_REST_M, SLIDE_PLANES_MAX};
+use crate::math::{self, Pose};
+use crate::pairs::piece_motion;
+use crate::state::State;
+
+/// A half-space of translations: normal . u >= offset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct HalfSpace {
+    normal: Vec3,
+    offset: f32,
+}
+
+type HalfSpaces = ArrayVec<HalfSpace, SLIDE_PLANES_MAX>;
+
+/// Where to go from `at`: the wanted position, moved by the least translation that keeps every
+/// touching piece outside its contact plane. Where no translation does (a slot, a wedge), turn and
+/// local poses stay as they are and only the wanted translation is bent; staying is then allowed.
+pub(super) fn plan(
+    state: &State,
+    pairs: usize,
+    at: &Position,
+    wanted: &Position,
+    keep_turn: bool,
+) -> Plan {
+    if !keep_turn {
+        let planes = whole_motion_planes(state, pairs, at, wanted);
+        let reach = reach_m(at, wanted, &planes);
+        match nearest_outside(&planes) {
+            Some(u) if math::length(u) <= reach => {
+                return Plan {
+                    goal: Position {
+                        root: moved(&wanted.root, u),
+                        local: wanted.local,
+                    },
+                    bent: u != Vec3::ZERO,
+                };
+            }
+            _ => {}
+        }
+    }
+    plan_translation(state, pairs, at, wanted)
+}
+
+fn moved(pose: &Pose, u: Vec3) -> Pose {
+    if u == Vec3::ZERO {
+        *pose
+    } else {
+        pose.moved(u)
+    }
+}
+
+/// A correction farther than this undoes more than the whole way and is not a slide.
+fn reach_m(at: &Position, wanted: &Position, planes: &HalfSpaces) -> f32 {
+    let mut deepest = 0.0;
+    for plane in planes {
+        deepest = math::max(deepest, plane.offset);
+    }
+    2.0 * (math::length(wanted.root.translation() - at.root.translation()) + deepest)
+}
+
+/// The touching pairs' planes, with the offsets that the wanted end pose violates them by.
+fn whole_motion_planes(
+    state: &State,
+    pairs: usize,
+    at: &Position,
+    wanted: &Position,
+) -> HalfSpaces {
+    let leg = track(at, wanted);
+    let mut planes = HalfSpaces::new();
+    for pair in &state.pairs.list[..pairs] {
+        if pair.measured == 1 && touches(pair.gap) {
+            let (a, b) = (pair.a as usize, pair.b as usize);
+            let end = plane_gap(
+                &state.pools.convex(&state.pieces.shape[a]),
+                &state.pools.convex(&state.pieces.shape[b]),
+                &piece_motion(state, a, &leg).at(1.0),
+                &state.pieces.world[b],
+                pair.normal,
+            );
+            add(&mut planes, pair.normal, GAP_REST_M - end);
+        }
+    }
+    planes
+}
+
+/// Adds a plane; when there is no room, it takes the place of the one that binds least.
+fn add(planes: &mut HalfSpaces, normal: Vec3, offset: f32) {
+    let plane = HalfSpace { normal, offset };
+    if planes.try_push(plane).is_ok() {
+        return;
+    }
+    let mut loosest = 0;
+    for i in 1..planes.len() {
+        if planes[i].offset < planes[loosest].offset {
+            loosest = i;
+        }
+    }
+    if planes[loosest].offset < offset {
+        planes[loosest] = plane;
+    }
+}
+
+/// The wanted translation alone, bent along the touching planes.
+fn plan_translation(state: &State, pairs: usize, at: &Position, wanted: &Position) -> Plan {
+    let way = wanted.root.translation() - at.root.translation();
+    let mut planes = HalfSpaces::new();
+    for pair in &state.pairs.list[..pairs] {
+        if pair.measured == 1 && touches(pair.gap) {
+            let kept = math::min(GAP_REST_M, pair.gap);
+            add(
+                &mut planes,
+                pair.normal,
+                kept - pair.gap - pair.normal.dot(way),
+            );
+        }
+    }
+    let step = nearest_outside(&planes).map_or(Vec3::ZERO, |u| way + u);
+    Plan {
+        goal: Position {
+            root: at.root.moved(step),
+            local: at.local,
+        },
+        bent: true,
+    }
+}
+
+/// How much a plane may be violated by rounding, in metres.
+const ROUNDING_M: f32 = 1e-7;
+
+/// The shortest vector inside all half-spaces, or `None` when there is none.
+///
+/// Seidel's incremental scheme: a vector that violates the next half-space is replaced by the
+/// shortest on its plane that satisfies all before it, which is the same problem in one dimension
+/// less. Cost: at most of the order of n^3 for n half-spaces, n when few bind.
+fn nearest_outside(planes: &[HalfSpace]) -> Option<Vec3> {
+    let mut u = Vec3::ZERO;
+    for (i, plane) in planes.iter().enumerate() {
+        if plane.normal.dot(u) < plane.offset - ROUNDING_M {
+            u = shortest_on_plane(plane, &planes[..i])?;
+        }
+    }
+    Some(u)
+}
+
+fn shortest_on_plane(on: &HalfSpace, planes: &[HalfSpace]) -> Option<Vec3> {
+    let mut u = on.normal * on.offset;
+    for (i, plane) in planes.iter().enumerate() {
+        if plane.normal.dot(u) < plane.offset - ROUNDING_M {
+            u = shortest_on_line(on, plane, &planes[..i])?;
+        }
+    }
+    Some(u)
+}
+
+fn shortest_on_line(first: &HalfSpace, second: &HalfSpace, planes: &[HalfSpace]) -> Option<Vec3> {
+    let along = math::direction(first.normal.cross(second.normal))?;
+    let cosine = first.normal.dot(second.normal);
+    let sine_squared = 1.0 - cosine * cosine;
+    if sine_squared < 1e-6 {
+        return None;
+    }
+    let first_weight = (first.offset - cosine * second.offset) / sine_squared;
+    let second_weight = (second.offset - cosine * first.offset) / sine_squared;
+    let base = first.normal * first_weight + second.normal * second_weight;
+    let (mut low, mut high) = (f32::NEG_INFINITY, f32::INFINITY);
+    for plane in planes {
+        let slope = plane.normal.dot(along);
+        let missing = plane.offset - plane.normal.dot(base);
+        if slope.abs() < 1e-6 {
+            if missing > 1e-5 {
+                return None;
+            }
+        } else if slope > 0.0 {
+            low = math::max(low, missing / slope);
+        } else {
+            high = math::min(high, missing / slope);
+        }
+    }
+    (low <= high + 1e-6).then(|| base + along * math::clamp(0.0, low, high))
+}

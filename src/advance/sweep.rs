@@ -1,0 +1,172 @@
+//! How far along a leg a driven body's pairs stay clear.
+
+use super::{Position, Purse, touches};
+use crate::geometry::motion::Motion;
+use crate::geometry::separation::separation;
+use crate::geometry::time_of_contact::MovingPair;
+use crate::limits::{GAP_FLOOR_M, STEP_MIN_M};
+use crate::math;
+use crate::pairs::{BodyTrack, piece_motion};
+use crate::state::State;
+
+/// How far a leg was found clear.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Swept {
+    /// Share of the leg, 0 to 1.
+    pub reached: f32,
+    /// The budget ended the sweep.
+    pub cut: bool,
+}
+
+/// Measures, at the leg's start, every pair that may be in contact there. False when the budget ran
+/// out.
+///
+/// The boxes tell most pairs apart without a query.
+pub(super) fn measure_touching(
+    state: &mut State,
+    pairs: usize,
+    at: &Position,
+    purse: &mut Purse,
+) -> bool {
+    let still = BodyTrack::still(at.root, at.local);
+    for index in 0..pairs {
+        let pair = state.pairs.list[index];
+        if pair.measured == 1 || !touches(pair.gap) {
+            continue;
+        }
+        let (a, b) = (pair.a as usize, pair.b as usize);
+        let pose = piece_motion(state, a, &still).at(0.0);
+        let bounds = crate::state::pieces::Bounds::of(&state.pieces.shape[a], &pose);
+        let apart = bounds.gap(&state.pieces.bounds[b]);
+        let pair = &mut state.pairs.list[index];
+        pair.gap_time = 0.0;
+        if !touches(apart) {
+            pair.gap = apart;
+            continue;
+        }
+        if !purse.take() {
+            return false;
+        }
+        let found = separation(
+            &state.pools.convex(&state.pieces.shape[a]),
+            &state.pools.convex(&state.pieces.shape[b]),
+            &pose,
+            &state.pieces.world[b],
+            pair.normal,
+        );
+        pair.gap = found.gap_m;
+        pair.normal = found.normal;
+        pair.measured = 1;
+    }
+    true
+}
+
+/// Whether a measured pair overlaps.
+pub(super) fn overlaps(state: &State, pairs: usize) -> bool {
+    state.pairs.list[..pairs]
+        .iter()
+        .any(|pair| pair.measured == 1 && pair.gap < 0.0)
+}
+
+/// Advances until a pair blocks the way, all are clear to the end, or the budget runs out.
+///
+/// Always takes the pair that is certified for the shortest time and certifies it further, so that
+/// only the pairs that matter are queried, and the body may stop at any time at the least certified
+/// share.
+pub(super) fn run(state: &mut State, pairs: usize, leg: &BodyTrack, purse: &mut Purse) -> Swept {
+    start(state, pairs, leg);
+    loop {
+        let Some(next) = least_certified(state, pairs) else {
+            return Swept {
+                reached: 1.0,
+                cut: false,
+            };
+        };
+        let time = state.pairs.list[next].clear_until;
+        if time >= 1.0 {
+            return Swept {
+                reached: 1.0,
+                cut: false,
+            };
+        }
+        if !purse.take() {
+            return Swept {
+                reached: time,
+                cut: true,
+            };
+        }
+        if certify(state, next, leg, time) {
+            return Swept {
+                reached: time,
+                cut: false,
+            };
+        }
+    }
+}
+
+/// What is known of the gaps, as shares of this leg.
+fn start(state: &mut State, pairs: usize, leg: &BodyTrack) {
+    for index in 0..pairs {
+        let pair = state.pairs.list[index];
+        let motion = piece_motion(state, pair.a as usize, leg);
+        let slack = pair.gap - GAP_FLOOR_M;
+        let until = if slack > 0.0 {
+            math::min(slack / math::max(motion.way_m(), 1e-30), 1.0)
+        } else {
+            0.0
+        };
+        let pair = &mut state.pairs.list[index];
+        pair.clear_until = until;
+        pair.gap_time = 0.0;
+    }
+}
+
+fn least_certified(state: &State, pairs: usize) -> Option<usize> {
+    let list = &state.pairs.list[..pairs];
+    let mut least = 0;
+    for (index, pair) in list.iter().enumerate() {
+        if pair.clear_until < list[least].clear_until {
+            least = index;
+        }
+    }
+    (!list.is_empty()).then_some(least)
+}
+
+/// Certifies a pair beyond `time`; true when it cannot be, so that it blocks the way.
+fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool {
+    let pair = state.pairs.list[index];
+    let (a, b) = (pair.a as usize, pair.b as usize);
+    let motion = piece_motion(state, a, leg);
+    let moving = MovingPair {
+        a: state.pools.convex(&state.pieces.shape[a]),
+        b: state.pools.convex(&state.pieces.shape[b]),
+        motion_a: motion,
+        motion_b: Motion::still(state.pieces.world[b]),
+    };
+    let found = moving.clear_until(time, GAP_FLOOR_M, pair.normal);
+    let pair = &mut state.pairs.list[index];
+    pair.gap = found.gap_m;
+    pair.gap_time = time;
+    pair.normal = found.normal;
+    pair.clear_until = math::max(time, found.clear_until);
+    let gained = (pair.clear_until - time) * motion.way_m();
+    pair.clear_until < 1.0 && gained < STEP_MIN_M
+}
+
+/// Carries what is known of the gaps over to the next leg, which starts at share `reached` of this
+/// one: the pair that blocked was measured right there, the others have at least what the motion
+/// leaves them.
+pub(super) fn carry_over(state: &mut State, pairs: usize, leg: &BodyTrack, reached: f32) {
+    for index in 0..pairs {
+        let pair = state.pairs.list[index];
+        let motion = piece_motion(state, pair.a as usize, leg);
+        let moved = (reached - pair.gap_time) * motion.way_m();
+        let pair = &mut state.pairs.list[index];
+        if moved != 0.0 {
+            pair.gap -= moved.abs();
+            pair.measured = 0;
+        } else {
+            pair.measured = u32::from(pair.normal != glam::Vec3::ZERO);
+        }
+    }
+}

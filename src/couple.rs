@@ -1,0 +1,169 @@
+//! 1 couple: where driven things want to be.
+//!
+//! A spring between tracker and body, m x'' = -K x - R x' (Schmidl and Lin 2004, section 4), where x
+//! is the *displacement* of the body from its tracker and x' is relative to the tracker: the paper's
+//! damping of the absolute velocity lags by R/K for every m/s. Contact alone displaces, so free
+//! motion has no lag at all (promise P3). The spring is integrated exactly, so it is stable for every
+//! time step.
+
+use glam::Vec3;
+
+use crate::limits::{DISPLACEMENT_MIN, DISPLACEMENT_RATE_MIN};
+use crate::math::{self, Pose};
+use crate::memory::ids::is_alive;
+use crate::state::State;
+use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, Tracker};
+
+/// The spring's exact map over one time step: (x, v) -> (xx x + xv v, vx x + vv v).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpringMap {
+    /// How the old displacement enters the new one.
+    pub xx: f32,
+    /// How the old rate enters the new displacement, in seconds.
+    pub xv: f32,
+    /// How the old displacement enters the new rate, in 1/s.
+    pub vx: f32,
+    /// How the old rate enters the new rate.
+    pub vv: f32,
+}
+
+impl SpringMap {
+    /// The map of a valid coupling over `dt_s` seconds (0 or more, finite).
+    ///
+    /// With a = R/2m, w^2 = K/m - a^2: C = e^-ah cos(wh), S = e^-ah sin(wh)/w, and
+    /// x' = (C + aS) x + S v, v' = -(K/m) S x + (C - aS) v. Above critical damping cos and sin become
+    /// cosh and sinh, taken together with e^-ah so that nothing overflows.
+    #[must_use]
+    pub fn new(coupling: &Coupling, dt_s: f32) -> Self {
+        let a = 0.5 * coupling.damping_n_s_per_m / coupling.mass_kg;
+        let k = coupling.stiffness_n_per_m / coupling.mass_kg;
+        let (c, s) = damped_cos_sin(a, k - a * a, dt_s);
+        Self {
+            xx: c + a * s,
+            xv: s,
+            vx: -k * s,
+            vv: c - a * s,
+        }
+    }
+
+    fn apply(&self, x: Vec3, v: Vec3) -> (Vec3, Vec3) {
+        (self.xx * x + self.xv * v, self.vx * x + self.vv * v)
+    }
+}
+
+/// e^-ah cos(wh) and e^-ah sin(wh)/w for w^2 of either sign.
+fn damped_cos_sin(a: f32, w_squared: f32, h: f32) -> (f32, f32) {
+    let z = w_squared * h * h;
+    if z.abs() < 0.01 {
+        // Two terms more than f32 can see.
+        let c = 1.0 - z / 2.0 * (1.0 - z / 12.0 * (1.0 - z / 30.0));
+        let s = 1.0 - z / 6.0 * (1.0 - z / 20.0 * (1.0 - z / 42.0));
+        let decay = math::exp(-a * h);
+        return (decay * c, decay * h * s);
+    }
+    let root = math::sqrt(z.abs());
+    if z > 0.0 {
+        let decay = math::exp(-a * h);
+        return (decay * math::cos(root), decay * h * math::sin(root) / root);
+    }
+    let slow = math::exp(root - a * h);
+    let fast = math::exp(-root - a * h);
+    (0.5 * (slow + fast), 0.5 * h * (slow - fast) / root)
+}
+
+/// Finds where every driven body wants to be at the end of the frame.
+pub(crate) fn run(state: &mut State, dt_s: f32) {
+    for body in 0..state.registers.body_slots as usize {
+        let driven = is_alive(state.bodies.generation[body])
+            && state.bodies.kind[body] == BodyKind::Driven.code();
+        if driven {
+            couple(state, body, dt_s);
+        }
+    }
+}
+
+fn couple(state: &mut State, body: usize, dt_s: f32) {
+    let bodies = &mut state.bodies;
+    state.legs.count[body] = 0;
+    state.legs.local_share[body] = 0.0;
+    state.legs.stop_time[body] = 1.0;
+    let coupling = bodies.coupling[body];
+    let tracker = &mut bodies.tracker[body];
+    bodies.report[body] = DrivenReport {
+        flags: age(tracker, &coupling, dt_s),
+        ..DrivenReport::default()
+    };
+    if tracker.seen == 0 {
+        state.legs.wanted[body] = bodies.pose[body];
+        return;
+    }
+    let displacement = &mut bodies.displacement[body];
+    relax(displacement, &SpringMap::new(&coupling, dt_s));
+    state.legs.wanted[body] = displaced(&tracker.target, displacement);
+}
+
+/// Counts how long the tracker has been lost; the flag of one lost for too long.
+fn age(tracker: &mut Tracker, coupling: &Coupling, dt_s: f32) -> u32 {
+    if tracker.fresh == 1 {
+        tracker.fresh = 0;
+        tracker.lost_s = 0.0;
+        return 0;
+    }
+    tracker.lost_s = math::min(tracker.lost_s + dt_s, 1e6);
+    if tracker.lost_s > coupling.grace_s {
+        DrivenReport::LOST
+    } else {
+        0
+    }
+}
+
+/// Lets the spring pull for one time step; what has become negligible becomes exactly zero.
+fn relax(displacement: &mut Displacement, spring: &SpringMap) {
+    if displacement.is_zero() {
+        return;
+    }
+    let (offset, velocity) = spring.apply(displacement.offset, displacement.velocity);
+    let (rotation, spin) = spring.apply(displacement.rotation, displacement.spin);
+    let negligible = is_below(offset, DISPLACEMENT_MIN)
+        && is_below(rotation, DISPLACEMENT_MIN)
+        && is_below(velocity, DISPLACEMENT_RATE_MIN)
+        && is_below(spin, DISPLACEMENT_RATE_MIN);
+    *displacement = if negligible {
+        Displacement::default()
+    } else {
+        Displacement {
+            offset,
+            velocity,
+            rotation,
+            spin,
+        }
+    };
+}
+
+fn is_below(v: Vec3, bound: f32) -> bool {
+    v.x.abs() < bound && v.y.abs() < bound && v.z.abs() < bound
+}
+
+/// The target moved by the displacement; the target itself, to the bit, when there is none.
+fn displaced(target: &Pose, displacement: &Displacement) -> Pose {
+    if displacement.is_zero() {
+        return *target;
+    }
+    let turned = if displacement.rotation == Vec3::ZERO {
+        target.quat()
+    } else {
+        math::renormalised(math::quat_from_rotation_vector(displacement.rotation) * target.quat())
+    };
+    Pose::new(turned, target.translation() + displacement.offset)
+}
+
+/// How far `pose` is from the target.
+pub(crate) fn displacement_of(target: &Pose, pose: &Pose) -> (Vec3, Vec3) {
+    let offset = pose.translation() - target.translation();
+    let rotation = if pose.rotation == target.rotation {
+        Vec3::ZERO
+    } else {
+        math::rotation_vector(pose.quat() * target.quat().conjugate())
+    };
+    (offset, rotation)
+}

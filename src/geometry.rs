@@ -1,0 +1,18 @@
+//! Questions about convex pieces at poses. Nothing here knows about frames or bodies.
+//!
+//! A pair is always computed in the frame of its second piece, so that accuracy does not depend on
+//! how far both are from the origin.
+
+pub mod convex;
+pub(crate) mod double;
+pub mod hull;
+pub mod mass;
+
+pub mod distance;
+pub mod penetration;
+pub mod separation;
+
+pub mod manifold;
+
+pub mod motion;
+pub mod time_of_contact;

@@ -1,0 +1,181 @@
+//! How a piece moves over a stretch of time, and bounds on how fast.
+//!
+//! Time runs from 0 to 1 over the stretch. A piece hangs on a root (a body's frame) by a local
+//! pose, and both move at once.
+
+use glam::{Quat, Vec3};
+
+use crate::math::{self, Pose};
+
+/// The way of one frame: positions linear, orientations by normalised linear interpolation along
+/// the shorter arc. Only the part from `start` to `end` (shares of the whole way) is travelled.
+#[derive(Clone, Copy, Debug)]
+pub struct Track {
+    /// Pose at share 0.
+    pub from: Pose,
+    /// Pose at share 1.
+    pub to: Pose,
+    /// Share of the way at time 0.
+    pub start: f32,
+    /// Share of the way at time 1.
+    pub end: f32,
+}
+
+/// Bounds of a track's motion per unit of time.
+#[derive(Clone, Copy, Debug)]
+struct TrackBounds {
+    /// Linear velocity, constant over the track.
+    linear: Vec3,
+    /// Largest angular speed in radians.
+    angular: f32,
+    /// Largest length of the second derivative of the rotation matrix.
+    curvature: f32,
+}
+
+impl Track {
+    /// A frame that stays where it is.
+    #[must_use]
+    pub const fn still(pose: Pose) -> Self {
+        Self {
+            from: pose,
+            to: pose,
+            start: 0.0,
+            end: 1.0,
+        }
+    }
+
+    /// The whole way between two poses.
+    #[must_use]
+    pub const fn between(from: Pose, to: Pose) -> Self {
+        Self {
+            from,
+            to,
+            start: 0.0,
+            end: 1.0,
+        }
+    }
+
+    /// The pose at a time in 0..=1.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, time: f32) -> Pose {
+        let share = self.start + (self.end - self.start) * time;
+        interpolate(
+            &self.from,
+            &self.to,
+            if time >= 1.0 { self.end } else { share },
+        )
+    }
+
+    /// With q the normalised interpolation and half-angle f between the ends, the angular speed is
+    /// 2 sin f / |q|^2 <= 4 tan(f/2) = W, and its rate is at most W^3 / 4 (largest at an end).
+    fn bounds(&self) -> TrackBounds {
+        let span = self.end - self.start;
+        let (a, b) = (self.from.quat(), self.to.quat());
+        let chord = (math::nearer_sign(b, a) - a).length_squared();
+        let tangent_squared = chord / math::max(4.0 - chord, 1e-3);
+        let whole = 4.0 * math::sqrt(tangent_squared);
+        TrackBounds {
+            linear: (self.to.translation() - self.from.translation()) * span,
+            angular: whole * span,
+            curvature: (whole * whole + 0.25 * whole * whole * whole) * span * span,
+        }
+    }
+}
+
+/// A pose between two poses; exactly `from` at 0 and exactly `to` at 1.
+#[must_use]
+pub fn interpolate(from: &Pose, to: &Pose, share: f32) -> Pose {
+    if share <= 0.0 || from == to {
+        return *from;
+    }
+    if share >= 1.0 {
+        return *to;
+    }
+    let p = from.translation() + (to.translation() - from.translation()) * share;
+    Pose::new(interpolate_rotation(from.quat(), to.quat(), share), p)
+}
+
+fn interpolate_rotation(from: Quat, to: Quat, share: f32) -> Quat {
+    if from == to {
+        return from;
+    }
+    let to = math::nearer_sign(to, from);
+    math::renormalised(from + (to - from) * share)
+}
+
+/// How a piece moves: by its root and within its root's frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    root: Track,
+    local: Track,
+    /// Linear velocity that the whole root shares.
+    pub linear: Vec3,
+    /// Largest speed of any point of the piece beyond `linear`.
+    pub turning: f32,
+    /// Largest acceleration of any point of the piece.
+    pub acceleration: f32,
+}
+
+impl Motion {
+    /// The motion of a piece whose core lies within `core_reach_m` of its own origin.
+    ///
+    /// A point x of the piece is at p(t) + R(t) (l(t) + L(t) x), so its second derivative is
+    /// R'' (l + L x) + 2 R' (l' + L' x) + R L'' x: p and l move linearly.
+    #[must_use]
+    pub fn new(root: Track, local: Track, core_reach_m: f32) -> Self {
+        let (r, l) = (root.bounds(), local.bounds());
+        let arm = arm_m(&local) + core_reach_m;
+        let local_speed = math::length(l.linear) + l.angular * core_reach_m;
+        Self {
+            root,
+            local,
+            linear: r.linear,
+            turning: r.angular * arm + local_speed,
+            acceleration: r.curvature * arm
+                + 2.0 * r.angular * local_speed
+                + l.curvature * core_reach_m,
+        }
+    }
+
+    /// A piece that does not move.
+    #[must_use]
+    pub fn still(pose: Pose) -> Self {
+        Self {
+            root: Track::still(pose),
+            local: Track::still(Pose::IDENTITY),
+            linear: Vec3::ZERO,
+            turning: 0.0,
+            acceleration: 0.0,
+        }
+    }
+
+    /// The piece's pose in the world at a time in 0..=1.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, time: f32) -> Pose {
+        let root = self.root.at(time);
+        if self.local.to == Pose::IDENTITY && self.local.from == Pose::IDENTITY {
+            return root;
+        }
+        root.then(&self.local.at(time))
+    }
+
+    /// How far any point of the piece can be from the straight line between its ends, in metres.
+    #[must_use]
+    pub fn bulge_m(&self) -> f32 {
+        0.125 * self.acceleration
+    }
+
+    /// Upper bound of the way of any point of the piece over the whole time, in metres.
+    #[must_use]
+    pub fn way_m(&self) -> f32 {
+        math::length(self.linear) + self.turning
+    }
+}
+
+/// The farthest that the local frame's origin gets from the root's, in metres.
+fn arm_m(local: &Track) -> f32 {
+    let from = math::length(local.from.translation());
+    math::max(from, math::length(local.to.translation()))
+}

@@ -1,0 +1,719 @@
+//! How deep two cores overlap: the exact least translation that parts them, by enumeration of
+//! separating axes.
+//!
+//! The difference of two convex solids is a polytope whose faces come from the faces of A, the
+//! faces of B and those pairs of edges whose arcs cross on the Gauss sphere (Gregorius 2013, "The
+//! Separating Axis Test between Convex Polyhedra"). The nearest of those planes is the answer.
+//! Three things differ from the usual implementations:
+//!
+//! * **No absolute tolerance.** Arcs are compared by the signs of four dot products. A sign that
+//!   noise decided wrongly does no harm, see below.
+//! * **Every axis that wins was verified** by the supports of both cores along it. The depth
+//!   returned is therefore the overlap along a real direction: never less than the penetration
+//!   depth, up to the rounding of one dot product. Errors can only make it larger.
+//! * **Pruning is exact.** For a point c inside B whose nearest face is r away, the overlap along
+//!   n of an edge or face of A through v is at least n . (c - v) + r. An edge is left out when no
+//!   n of its arc can beat the best depth so far, and the same with A and B exchanged.
+//!
+//! # Nearly parallel edges
+//!
+//! Let the directions of two edges of length l and m differ by a small angle t. Their face of the
+//! difference is a parallelogram of width w = min(l, m) sin t. If the answer lies on it, its foot
+//! is within w of a long side, and the plane of the neighbour behind that side passes within
+//! sqrt(d^2 + w^2) <= d + w of the origin. So leaving the pair out costs at most w; at the bound
+//! [`PARALLEL_SINE`] that is 1e-6 of the shorter edge. Above the bound the axis is off by about
+//! e / t, where e is the rounding of the directions, but it turns about the common direction of
+//! the edges, and the parallelogram is only w wide across it: the depth changes by e min(l, m),
+//! which is the accuracy of f32 itself. The same argument covers a sign decided by noise, because
+//! then the crossing lies that close to the end of an arc, and the end is the normal of a face,
+//! which is tested.
+
+use arrayvec::ArrayVec;
+use glam::{Mat3, Vec3};
+
+use crate::geometry::convex::{Convex, Edge};
+use crate::limits::PIECE_FACES_MAX;
+use crate::math::{LANE_WIDTH, Pose, direction, length, perpendicular};
+
+/// Two edges are parallel when the sine of their angle is at most this.
+pub const PARALLEL_SINE: f32 = 1e-6;
+
+/// Lanes of B's edges that are compared with all edges of A before the next ones are loaded.
+const EDGE_LANES_MAX: usize = 32;
+
+/// Which features of the cores the axis comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Feature {
+    /// A face of A; the normal is opposite to the face's.
+    FaceA(u16),
+    /// A face of B; the normal is the face's.
+    FaceB(u16),
+    /// An edge of A and an edge of B.
+    Edges(u16, u16),
+    /// Neither core is a solid: the closest points of two points or segments.
+    Points,
+}
+
+/// How deep two cores overlap, in the frame of B.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CorePenetration {
+    /// Unit vector from B into A: moving A by `depth` along it parts the cores.
+    pub normal: Vec3,
+    /// Overlap along the normal in metres. Negative when the axis parts the cores by that much: a
+    /// lower bound of their distance, and the distance itself when neither core is a solid.
+    pub depth: f32,
+    /// Where the axis comes from.
+    pub feature: Feature,
+    /// A point of A's core at the bottom of the overlap.
+    pub point_a: Vec3,
+    /// The point opposite to it on B's supporting plane (on B's edge if the axis is one of edges).
+    pub point_b: Vec3,
+}
+
+/// The depth of two cores, rounding radii left out.
+///
+/// `a_in_b` is the pose of A in the frame of B. The least overlap over all axes, exact up to f32
+/// rounding of the coordinates; where several axes tie, the first in the order of faces of B,
+/// faces of A, edges wins unless the seed already reached the same depth.
+///
+/// Cost: at most [`worst_steps`].
+#[must_use]
+pub fn core_penetration(a: &Convex, b: &Convex, a_in_b: &Pose) -> CorePenetration {
+    core_penetration_until(a, b, a_in_b, f32::NEG_INFINITY)
+}
+
+/// As [`core_penetration`], but the first axis whose depth is at most `enough_m` is returned.
+///
+/// With `enough_m` zero this answers "do the cores overlap" and stops at the first axis that parts
+/// them. Cost: at most [`worst_steps`].
+#[must_use]
+pub fn core_penetration_until(
+    a: &Convex,
+    b: &Convex,
+    a_in_b: &Pose,
+    enough_m: f32,
+) -> CorePenetration {
+    if a.faces.is_empty() && b.faces.is_empty() {
+        return closest_of_segments(a, b, a_in_b);
+    }
+    let mut search = Search::new(a, b, a_in_b, Least::new(enough_m));
+    search.seed();
+    search.all_faces();
+    search.all_edges();
+    search.answer()
+}
+
+/// Calls `visit` with the normal and overlap of every axis whose overlap is at most `cap_m`.
+///
+/// Together these half-spaces bound the difference of the cores within that distance. Nothing is
+/// visited when neither core is a solid. Cost: at most [`worst_steps`].
+pub(crate) fn axes_within(
+    a: &Convex,
+    b: &Convex,
+    a_in_b: &Pose,
+    cap_m: f32,
+    visit: &mut dyn FnMut(Vec3, f32),
+) {
+    let mut search = Search::new(a, b, a_in_b, Within { cap_m, visit });
+    search.all_faces();
+    search.all_edges();
+}
+
+/// What to do with the axes that a search finds.
+trait Sink {
+    /// Axes with more overlap than this are of no interest.
+    fn cap(&self) -> f32;
+    /// Whether the search may stop.
+    fn done(&self) -> bool;
+    /// Takes an axis whose overlap was measured.
+    fn take(&mut self, axis: &Axis);
+}
+
+/// Keeps the axis of least overlap; the first of those that tie.
+struct Least {
+    best: Axis,
+    enough: f32,
+}
+
+impl Least {
+    fn new(enough: f32) -> Self {
+        let best = Axis {
+            normal: Vec3::Y,
+            depth: f32::INFINITY,
+            feature: Feature::Points,
+            vertex_a: 0,
+        };
+        Self { best, enough }
+    }
+}
+
+impl Sink for Least {
+    fn cap(&self) -> f32 {
+        self.best.depth
+    }
+
+    fn done(&self) -> bool {
+        self.best.depth <= self.enough
+    }
+
+    fn take(&mut self, axis: &Axis) {
+        if axis.depth < self.best.depth {
+            self.best = *axis;
+        }
+    }
+}
+
+/// Hands on every axis up to a cap.
+struct Within<'v> {
+    cap_m: f32,
+    visit: &'v mut dyn FnMut(Vec3, f32),
+}
+
+impl Sink for Within<'_> {
+    fn cap(&self) -> f32 {
+        self.cap_m
+    }
+
+    fn done(&self) -> bool {
+        false
+    }
+
+    fn take(&mut self, axis: &Axis) {
+        if axis.depth <= self.cap_m {
+            (self.visit)(axis.normal, axis.depth);
+        }
+    }
+}
+
+/// Most lane operations that one call spends: dot products with one lane of vertices, or
+/// comparisons of an edge with one lane of edges.
+///
+/// Faces of each against the vertices of the other, all edges of A against the lanes of B's edges,
+/// and as many verifications as [`verifications_max`] allows.
+#[must_use]
+pub const fn worst_steps(
+    vertices: (usize, usize),
+    faces: (usize, usize),
+    edges: (usize, usize),
+) -> usize {
+    let lanes = (
+        vertices.0.div_ceil(LANE_WIDTH),
+        vertices.1.div_ceil(LANE_WIDTH),
+    );
+    let of_faces = (faces.0 + 1) * lanes.1 + (faces.1 + 1) * lanes.0;
+    let of_edges = edges.0 * edges.1.div_ceil(LANE_WIDTH);
+    let of_verification = verifications_max(edges) * (lanes.0 + lanes.1);
+    of_faces + of_edges + of_verification
+}
+
+/// Most edge axes that are verified by supports in one call.
+///
+/// A verification happens when an axis seems to improve the best depth. In an order that knows
+/// nothing of depths that is the logarithm of the number of axes; this bound is never met except
+/// by pieces built to meet it, and then axes are left out and the depth is an upper bound.
+#[must_use]
+pub const fn verifications_max(edges: (usize, usize)) -> usize {
+    64 + 2 * (edges.0 + edges.1)
+}
+
+/// A core seen as a ball: a point inside and the distance of the nearest face from it.
+#[derive(Clone, Copy)]
+struct Heart {
+    centre: Vec3,
+    radius: f32,
+}
+
+impl Heart {
+    fn of(piece: &Convex) -> Self {
+        let mut sum = Vec3::ZERO;
+        for index in 0..piece.vertex_count {
+            sum += piece.vertex(index);
+        }
+        let centre = sum / piece.vertex_count as f32;
+        let mut radius = f32::INFINITY;
+        for face in piece.faces {
+            let inside = face.offset - face.normal.dot(centre);
+            radius = if inside < radius { inside } else { radius };
+        }
+        let solid = radius > 0.0 && radius < f32::INFINITY;
+        let radius = if solid { radius } else { 0.0 };
+        Self { centre, radius }
+    }
+}
+
+/// Eight edges of B; unused places are zero and cross nothing.
+#[derive(Clone, Copy)]
+struct EdgeLane {
+    along: [[f32; LANE_WIDTH]; 3],
+    first: [[f32; LANE_WIDTH]; 3],
+    second: [[f32; LANE_WIDTH]; 3],
+    index: [u16; LANE_WIDTH],
+}
+
+impl EdgeLane {
+    const EMPTY: Self = Self {
+        along: [[0.0; LANE_WIDTH]; 3],
+        first: [[0.0; LANE_WIDTH]; 3],
+        second: [[0.0; LANE_WIDTH]; 3],
+        index: [0; LANE_WIDTH],
+    };
+
+    fn set(&mut self, place: usize, edge: &Arc, index: usize) {
+        for axis in 0..3 {
+            self.along[axis][place] = edge.along[axis];
+            self.first[axis][place] = edge.first[axis];
+            self.second[axis][place] = edge.second[axis];
+        }
+        self.index[place] = index as u16;
+    }
+}
+
+/// An edge: a point, the vector to its other end, the normals of the faces beside it.
+#[derive(Clone, Copy)]
+struct Arc {
+    start: Vec3,
+    along: Vec3,
+    first: Vec3,
+    second: Vec3,
+}
+
+impl Arc {
+    fn of(piece: &Convex, edge: &Edge) -> Self {
+        let start = piece.vertex(edge.vertices[0] as usize);
+        let along = piece.vertex(edge.vertices[1] as usize) - start;
+        if piece.faces.is_empty() {
+            return Self {
+                start,
+                along,
+                first: Vec3::ZERO,
+                second: Vec3::ZERO,
+            };
+        }
+        Self {
+            start,
+            along,
+            first: piece.faces[edge.faces[0] as usize].normal,
+            second: piece.faces[edge.faces[1] as usize].normal,
+        }
+    }
+
+    /// Whether a unit normal between `first` and `second` reaches farther than `bound` along `u`.
+    ///
+    /// Without faces the arc is the whole circle at right angles to the edge.
+    fn reaches(&self, u: Vec3, bound: f32, whole_circle: bool) -> bool {
+        let (m1, m2) = (self.first.dot(u), self.second.dot(u));
+        if !whole_circle {
+            if m1 > bound || m2 > bound {
+                return true;
+            }
+            let cosine = self.first.dot(self.second);
+            if m1 - cosine * m2 <= 0.0 || m2 - cosine * m1 <= 0.0 {
+                return false;
+            }
+        }
+        let slant = self.along.dot(u);
+        let across = u.length_squared() - slant * slant / self.along.length_squared();
+        bound < 0.0 || across > bound * bound
+    }
+}
+
+/// Which of the two cores is a segment, whose arc is a whole circle.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Arcs {
+    Both,
+    OnlyA,
+    OnlyB,
+}
+
+struct Search<'p, 'a, 'b, S> {
+    a: &'p Convex<'a>,
+    b: &'p Convex<'b>,
+    rotation: Mat3,
+    inverse: Mat3,
+    position: Vec3,
+    heart_a: Heart,
+    heart_b: Heart,
+    normals_a: ArrayVec<Vec3, PIECE_FACES_MAX>,
+    verifications_left: usize,
+    sink: S,
+}
+
+/// An axis and the supports that verified it.
+#[derive(Clone, Copy)]
+struct Axis {
+    normal: Vec3,
+    depth: f32,
+    feature: Feature,
+    vertex_a: usize,
+}
+
+impl<'p, 'a, 'b, S: Sink> Search<'p, 'a, 'b, S> {
+    fn new(a: &'p Convex<'a>, b: &'p Convex<'b>, a_in_b: &Pose, sink: S) -> Self {
+        let rotation = a_in_b.matrix();
+        let position = a_in_b.translation();
+        let inner = Heart::of(a);
+        let mut search = Self {
+            a,
+            b,
+            rotation,
+            inverse: rotation.transpose(),
+            position,
+            heart_a: Heart {
+                centre: rotation * inner.centre + position,
+                radius: inner.radius,
+            },
+            heart_b: Heart::of(b),
+            normals_a: ArrayVec::new(),
+            verifications_left: verifications_max((a.edges.len(), b.edges.len())),
+            sink,
+        };
+        for face in a.faces {
+            search.normals_a.push(rotation * face.normal);
+        }
+        search
+    }
+
+    /// Least overlap that face `index` of B can have.
+    fn bound_of_face_b(&self, index: usize) -> f32 {
+        let face = &self.b.faces[index];
+        face.offset - face.normal.dot(self.heart_a.centre) + self.heart_a.radius
+    }
+
+    /// Least overlap that face `index` of A can have.
+    fn bound_of_face_a(&self, index: usize) -> f32 {
+        let normal = self.normals_a[index];
+        let offset = self.a.faces[index].offset;
+        offset - normal.dot(self.heart_b.centre - self.position) + self.heart_b.radius
+    }
+
+    /// Tests the face with the least bound first, so that the others are pruned early.
+    fn seed(&mut self) {
+        let mut least = f32::INFINITY;
+        let mut seed = Feature::Points;
+        for index in 0..self.b.faces.len() {
+            let bound = self.bound_of_face_b(index);
+            if bound < least {
+                least = bound;
+                seed = Feature::FaceB(index as u16);
+            }
+        }
+        for index in 0..self.a.faces.len() {
+            let bound = self.bound_of_face_a(index);
+            if bound < least {
+                least = bound;
+                seed = Feature::FaceA(index as u16);
+            }
+        }
+        match seed {
+            Feature::FaceA(index) => self.try_axis(-self.normals_a[index as usize], seed),
+            Feature::FaceB(index) => self.try_axis(self.b.faces[index as usize].normal, seed),
+            Feature::Edges(..) | Feature::Points => {}
+        }
+    }
+
+    fn all_faces(&mut self) {
+        for index in 0..self.b.faces.len() {
+            if self.sink.done() {
+                return;
+            }
+            if self.bound_of_face_b(index) < self.sink.cap() {
+                let normal = self.b.faces[index].normal;
+                self.try_axis(normal, Feature::FaceB(index as u16));
+            }
+        }
+        for index in 0..self.a.faces.len() {
+            if self.sink.done() {
+                return;
+            }
+            if self.bound_of_face_a(index) < self.sink.cap() {
+                let normal = -self.normals_a[index];
+                self.try_axis(normal, Feature::FaceA(index as u16));
+            }
+        }
+    }
+
+    /// Measures the overlap along a unit vector by the supports of both cores.
+    fn try_axis(&mut self, normal: Vec3, feature: Feature) {
+        let low = self.a.support(self.inverse * -normal);
+        let high = self.b.support(normal);
+        let from = self.point_of_a(low.index);
+        let depth = normal.dot(self.b.vertex(high.index) - from);
+        self.sink.take(&Axis {
+            normal,
+            depth,
+            feature,
+            vertex_a: low.index,
+        });
+    }
+
+    fn point_of_a(&self, index: usize) -> Vec3 {
+        self.rotation * self.a.vertex(index) + self.position
+    }
+
+    fn all_edges(&mut self) {
+        let arcs = match (self.a.faces.is_empty(), self.b.faces.is_empty()) {
+            (true, _) => Arcs::OnlyB,
+            (_, true) => Arcs::OnlyA,
+            _ => Arcs::Both,
+        };
+        let mut lanes = ArrayVec::<EdgeLane, EDGE_LANES_MAX>::new();
+        let mut next = 0;
+        while next < self.b.edges.len() && !self.sink.done() {
+            lanes.clear();
+            next = self.load_edges_of_b(next, &mut lanes);
+            if lanes.is_empty() {
+                return;
+            }
+            for index in 0..self.a.edges.len() {
+                if self.sink.done() {
+                    return;
+                }
+                let edge = self.arc_of_a(index);
+                if self.edge_of_a_matters(&edge) {
+                    self.against_lanes(&edge, index, &lanes, arcs);
+                }
+            }
+        }
+    }
+
+    fn arc_of_a(&self, index: usize) -> Arc {
+        let edge = &self.a.edges[index];
+        let start = self.a.vertex(edge.vertices[0] as usize);
+        let end = self.a.vertex(edge.vertices[1] as usize);
+        let (first, second) = if self.normals_a.is_empty() {
+            (Vec3::ZERO, Vec3::ZERO)
+        } else {
+            (
+                self.normals_a[edge.faces[0] as usize],
+                self.normals_a[edge.faces[1] as usize],
+            )
+        };
+        Arc {
+            start: self.rotation * start + self.position,
+            along: self.rotation * (end - start),
+            first,
+            second,
+        }
+    }
+
+    /// Whether some normal of an edge of A can beat the best depth.
+    fn edge_of_a_matters(&self, edge: &Arc) -> bool {
+        let u = self.heart_b.centre - edge.start;
+        let bound = self.heart_b.radius - self.sink.cap();
+        edge.reaches(u, bound, self.a.faces.is_empty())
+    }
+
+    /// Whether some normal of an edge of B can beat the best depth.
+    fn edge_of_b_matters(&self, edge: &Arc) -> bool {
+        let u = self.heart_a.centre - edge.start;
+        let bound = self.heart_a.radius - self.sink.cap();
+        edge.reaches(u, bound, self.b.faces.is_empty())
+    }
+
+    /// Fills the lanes with edges of B from index `next` on; returns the first that was not seen.
+    fn load_edges_of_b(
+        &self,
+        next: usize,
+        lanes: &mut ArrayVec<EdgeLane, EDGE_LANES_MAX>,
+    ) -> usize {
+        let mut place = LANE_WIDTH;
+        for index in next..self.b.edges.len() {
+            let edge = Arc::of(self.b, &self.b.edges[index]);
+            if !self.edge_of_b_matters(&edge) {
+                continue;
+            }
+            if place == LANE_WIDTH {
+                if lanes.is_full() {
+                    return index;
+                }
+                lanes.push(EdgeLane::EMPTY);
+                place = 0;
+            }
+            if let Some(lane) = lanes.last_mut() {
+                lane.set(place, &edge, index);
+            }
+            place += 1;
+        }
+        self.b.edges.len()
+    }
+
+    fn against_lanes(&mut self, edge: &Arc, index: usize, lanes: &[EdgeLane], arcs: Arcs) {
+        for lane in lanes {
+            let hits = match arcs {
+                Arcs::Both => crossings(edge, lane),
+                Arcs::OnlyA => straddles(
+                    &dots(&lane.along, edge.first),
+                    &dots(&lane.along, edge.second),
+                ),
+                Arcs::OnlyB => straddles(
+                    &dots(&lane.first, edge.along),
+                    &dots(&lane.second, edge.along),
+                ),
+            };
+            let mut bits = hits;
+            while bits != 0 {
+                let place = bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                self.try_edges(edge, index, lane.index[place] as usize, arcs);
+            }
+        }
+    }
+
+    /// Tests the axis of two edges whose arcs cross.
+    fn try_edges(&mut self, edge: &Arc, index_a: usize, index_b: usize, arcs: Arcs) {
+        let other = Arc::of(self.b, &self.b.edges[index_b]);
+        let cross = edge.along.cross(other.along);
+        let sine_squared = cross.length_squared();
+        let scale = edge.along.length_squared() * other.along.length_squared();
+        if sine_squared <= PARALLEL_SINE * PARALLEL_SINE * scale {
+            return;
+        }
+        let side = match arcs {
+            Arcs::OnlyB => other.first.dot(edge.along),
+            Arcs::Both | Arcs::OnlyA => edge.first.dot(other.along),
+        };
+        let Some(axis) = direction(cross) else {
+            return;
+        };
+        let normal = if side > 0.0 { -axis } else { axis };
+        let seems = normal.dot(other.start - edge.start);
+        if seems < self.sink.cap() && self.verifications_left > 0 {
+            self.verifications_left -= 1;
+            let feature = Feature::Edges(index_a as u16, index_b as u16);
+            self.try_axis(normal, feature);
+        }
+    }
+}
+
+impl Search<'_, '_, '_, Least> {
+    fn answer(&self) -> CorePenetration {
+        let best = &self.sink.best;
+        let below = self.point_of_a(best.vertex_a);
+        let (point_a, point_b) = match best.feature {
+            Feature::Edges(index_a, index_b) => {
+                let edge = self.arc_of_a(index_a as usize);
+                let other = Arc::of(self.b, &self.b.edges[index_b as usize]);
+                closest_points(edge.start, edge.along, other.start, other.along)
+            }
+            _ => (below, below + best.normal * best.depth),
+        };
+        CorePenetration {
+            normal: best.normal,
+            depth: best.depth,
+            feature: best.feature,
+            point_a,
+            point_b,
+        }
+    }
+}
+
+/// Dot products of eight vectors with one.
+#[inline]
+fn dots(lane: &[[f32; LANE_WIDTH]; 3], v: Vec3) -> [f32; LANE_WIDTH] {
+    let mut result = [0.0; LANE_WIDTH];
+    for i in 0..LANE_WIDTH {
+        result[i] = lane[0][i] * v.x + lane[1][i] * v.y + lane[2][i] * v.z;
+    }
+    result
+}
+
+/// Places where the two numbers have opposite signs, as bits.
+#[inline]
+fn straddles(p: &[f32; LANE_WIDTH], q: &[f32; LANE_WIDTH]) -> u32 {
+    let mut bits = 0;
+    for i in 0..LANE_WIDTH {
+        let apart = (p[i] > 0.0 && q[i] < 0.0) || (p[i] < 0.0 && q[i] > 0.0);
+        bits |= u32::from(apart) << i;
+    }
+    bits
+}
+
+/// Places of the lane whose arcs, negated, cross the arc of `edge`, as bits.
+///
+/// With a1, a2, d the normals and direction of A's edge and b1, b2, e those of B's: the ends of
+/// each arc lie on both sides of the other's plane, and on the same half of the sphere, exactly
+/// when b1.d, -b2.d, a1.e and -a2.e all have the same sign.
+#[inline]
+fn crossings(edge: &Arc, lane: &EdgeLane) -> u32 {
+    let p1 = dots(&lane.first, edge.along);
+    let p2 = dots(&lane.second, edge.along);
+    let q1 = dots(&lane.along, edge.first);
+    let q2 = dots(&lane.along, edge.second);
+    let mut bits = 0;
+    for i in 0..LANE_WIDTH {
+        let above = (p1[i] > 0.0) & (p2[i] < 0.0) & (q1[i] > 0.0) & (q2[i] < 0.0);
+        let below = (p1[i] < 0.0) & (p2[i] > 0.0) & (q1[i] < 0.0) & (q2[i] > 0.0);
+        bits |= u32::from(above | below) << i;
+    }
+    bits
+}
+
+/// The closest points of two cores that are points or segments.
+fn closest_of_segments(a: &Convex, b: &Convex, a_in_b: &Pose) -> CorePenetration {
+    let (start_a, along_a) = segment_of(a);
+    let (start_b, along_b) = segment_of(b);
+    let rotation = a_in_b.matrix();
+    let along_a = rotation * along_a;
+    let start_a = rotation * start_a + a_in_b.translation();
+    let (point_a, point_b) = closest_points(start_a, along_a, start_b, along_b);
+    let between = point_a - point_b;
+    let normal = direction(between).unwrap_or_else(|| normal_of_crossing(along_a, along_b));
+    CorePenetration {
+        normal,
+        depth: -length(between),
+        feature: Feature::Points,
+        point_a,
+        point_b,
+    }
+}
+
+fn segment_of(piece: &Convex) -> (Vec3, Vec3) {
+    let start = piece.vertex(0);
+    (start, piece.vertex(piece.vertex_count - 1) - start)
+}
+
+/// A unit vector at right angles to two vectors, either of which may be zero.
+fn normal_of_crossing(d: Vec3, e: Vec3) -> Vec3 {
+    let cross = d.cross(e);
+    let scale = d.length_squared() * e.length_squared();
+    if cross.length_squared() > PARALLEL_SINE * PARALLEL_SINE * scale
+        && let Some(normal) = direction(cross)
+    {
+        return normal;
+    }
+    let longer = if d.length_squared() >= e.length_squared() {
+        d
+    } else {
+        e
+    };
+    direction(longer).map_or(Vec3::Y, perpendicular)
+}
+
+/// The closest points of the segments p + s d and q + t e with s and t in [0, 1].
+///
+/// Ericson 2005, "Real-Time Collision Detection", 5.1.9, with a relative test for parallel ones.
+pub(crate) fn closest_points(p: Vec3, d: Vec3, q: Vec3, e: Vec3) -> (Vec3, Vec3) {
+    let r = p - q;
+    let (dd, ee, de) = (d.length_squared(), e.length_squared(), d.dot(e));
+    let (dr, er) = (d.dot(r), e.dot(r));
+    let unit = |x: f32| crate::math::clamp(x, 0.0, 1.0);
+    if dd <= 0.0 || ee <= 0.0 {
+        let s = if dd > 0.0 { unit(-dr / dd) } else { 0.0 };
+        let t = if ee > 0.0 { unit(er / ee) } else { 0.0 };
+        return (p + d * s, q + e * t);
+    }
+    let area = d.cross(e).length_squared();
+    let crossing = area > PARALLEL_SINE * PARALLEL_SINE * dd * ee;
+    let s = if crossing {
+        unit((de * er - dr * ee) / area)
+    } else {
+        0.0
+    };
+    let t = (de * s + er) / ee;
+    if (0.0..=1.0).contains(&t) {
+        return (p + d * s, q + e * t);
+    }
+    let t = unit(t);
+    let s = unit((de * t - dr) / dd);
+    (p + d * s, q + e * t)
+}

@@ -1,0 +1,57 @@
+//! The gap of two pieces in the world: distance while they are apart, penetration depth when they
+//! overlap.
+
+use glam::Vec3;
+
+use super::convex::Convex;
+use super::distance::distance;
+use super::manifold::CoreGap;
+use super::penetration::core_penetration;
+use crate::math::Pose;
+
+/// How two pieces lie to each other, in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Separation {
+    /// Unit normal from B into A.
+    pub normal: Vec3,
+    /// Certified gap along the normal in metres; negative is penetration depth.
+    pub gap_m: f32,
+    /// Nearest (or deepest) point on A's surface.
+    pub point_a: Vec3,
+    /// Nearest (or deepest) point on B's surface.
+    pub point_b: Vec3,
+}
+
+/// The separation of two pieces at poses in the world.
+///
+/// `seed` is a direction from B toward A to start with; zero when none is known. It never changes
+/// which answer is right, only how soon it is found. The pair is computed in B's frame.
+///
+/// Cost: one distance query, and one penetration query when the cores overlap.
+#[must_use]
+pub fn separation(a: &Convex, b: &Convex, pose_a: &Pose, pose_b: &Pose, seed: Vec3) -> Separation {
+    let to_world = pose_b.quat();
+    let seed = if seed == Vec3::ZERO {
+        pose_a.point(a.centre) - pose_b.point(b.centre)
+    } else {
+        seed
+    };
+    let core = core_gap(a, b, &pose_a.seen_from(pose_b), to_world.conjugate() * seed);
+    Separation {
+        normal: to_world * core.normal,
+        gap_m: core.gap - a.radius - b.radius,
+        point_a: pose_b.point(core.point_a - core.normal * a.radius),
+        point_b: pose_b.point(core.point_b + core.normal * b.radius),
+    }
+}
+
+/// The gap of two cores in the frame of B, `a_in_b` being A's pose there; `seed` as in [`distance`].
+#[must_use]
+pub fn core_gap(a: &Convex, b: &Convex, a_in_b: &Pose, seed: Vec3) -> CoreGap {
+    let apart = distance(a, b, a_in_b, seed);
+    if apart.cores_overlap() {
+        (&core_penetration(a, b, a_in_b)).into()
+    } else {
+        (&apart).into()
+    }
+}

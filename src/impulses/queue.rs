@@ -1,0 +1,41 @@
+//! The order of impulses: the contact that approaches fastest first, ties by index.
+
+use super::solve::{push, relative_velocity};
+use crate::advance::Purse;
+use crate::limits::{APPROACH_MIN, IMPULSES_PER_CONTACT_MAX};
+use crate::state::State;
+
+/// Applies impulses until no contact approaches, all have had their share, or the units run out;
+/// how many were applied.
+///
+/// Biggest error first is the best order to be cut off in. Cost: at most
+/// [`IMPULSES_PER_CONTACT_MAX`] impulses a contact, one unit each.
+pub(super) fn run(state: &mut State, constraints: usize, purse: &mut Purse) -> u32 {
+    let mut applied = 0;
+    while let Some(worst) = worst(state, constraints) {
+        if !purse.take() {
+            break;
+        }
+        applied += u32::from(push(state, worst));
+    }
+    applied
+}
+
+/// The contact farthest below its target velocity, among those that may still be pushed.
+fn worst(state: &State, constraints: usize) -> Option<usize> {
+    let mut worst = None;
+    let mut largest = APPROACH_MIN;
+    for index in 0..constraints {
+        let constraint = &state.pairs.constraints[index];
+        if constraint.impulses >= IMPULSES_PER_CONTACT_MAX {
+            continue;
+        }
+        let velocity = relative_velocity(state, constraint).dot(constraint.normal);
+        let missing = constraint.target - velocity;
+        if missing > largest {
+            largest = missing;
+            worst = Some(index);
+        }
+    }
+    worst
+}

@@ -1,0 +1,247 @@
+//! The contacts of an event, and one impulse at one of them.
+
+use glam::{Mat3, Vec3};
+
+use super::Stretch;
+use super::movers::{centre_pose, is_stopped, spin};
+use super::sweep::{moving_pair, prescribed};
+use crate::advance::Purse;
+use crate::frame::FrameReport;
+use crate::geometry::manifold::{Contact, manifold};
+use crate::geometry::separation::core_gap;
+use crate::limits::{BOUNCE_MIN, GAP_RESTORED, LOOSE_MARGIN_M, LOOSE_REST_M};
+use crate::math;
+use crate::memory::ids::PieceId;
+use crate::state::State;
+use crate::state::bodies::BodyKind;
+use crate::state::contacts::{Constraint, ContactPoint, Pair};
+
+/// Finds the contacts of all pairs at the start of a stretch; how many constraints there are, `None`
+/// when the units ran out.
+pub(super) fn gather(
+    state: &mut State,
+    pairs: usize,
+    stretch: &Stretch,
+    purse: &mut Purse,
+    report: &mut FrameReport,
+) -> Option<usize> {
+    let mut count = 0;
+    for index in 0..pairs {
+        if !purse.take() {
+            return None;
+        }
+        let pair = state.pairs.list[index];
+        let moving = moving_pair(state, &pair, stretch);
+        let (pose_a, pose_b) = (moving.motion_a.at(0.0), moving.motion_b.at(0.0));
+        let a_in_b = pose_a.seen_from(&pose_b);
+        let seed = a_in_b.point(moving.a.centre) - moving.b.centre;
+        let core = core_gap(&moving.a, &moving.b, &a_in_b, seed);
+        for contact in manifold(&moving.a, &moving.b, &a_in_b, &core, LOOSE_MARGIN_M) {
+            let contact = Contact {
+                point: pose_b.point(contact.point),
+                normal: pose_b.quat() * contact.normal,
+                ..contact
+            };
+            let constraint = constraint(state, index as u32, &pair, &contact, stretch);
+            match state.pairs.constraints.get_mut(count) {
+                Some(slot) => *slot = constraint,
+                None => {
+                    report.set(FrameReport::FULL_CONTACTS);
+                    return Some(count);
+                }
+            }
+            count += 1;
+            let mark = &mut state.registers.high_water.contacts;
+            *mark = (*mark).max(count as u32);
+        }
+    }
+    Some(count)
+}
+
+fn constraint(
+    state: &State,
+    index: u32,
+    pair: &Pair,
+    contact: &Contact,
+    stretch: &Stretch,
+) -> Constraint {
+    let (a, b) = (pair.a as usize, pair.b as usize);
+    let stride = state.material_stride();
+    let surface = state
+        .materials
+        .pair(stride, state.pieces.material[a], state.pieces.material[b]);
+    let mut made = Constraint {
+        pair: index,
+        body_a: state.pieces.body[a],
+        body_b: state.pieces.body[b],
+        impulses: 0,
+        point: contact.point,
+        normal: contact.normal,
+        gap: contact.gap,
+        prescribed_a: prescribed(state, a, contact.point, stretch),
+        prescribed_b: prescribed(state, b, contact.point, stretch),
+        target: 0.0,
+        restitution: surface.restitution,
+        friction: surface.friction,
+        normal_impulse: 0.0,
+    };
+    made.target = target(state, &made, stretch);
+    made
+}
+
+/// The least normal velocity that a contact must have.
+///
+/// Slow approach: the gap may close to the rest gap by the end of the stretch, no further. Fast
+/// approach: nothing until the surfaces meet, then Newton's restitution.
+fn target(state: &State, constraint: &Constraint, stretch: &Stretch) -> f32 {
+    let normal_velocity = relative_velocity(state, constraint).dot(constraint.normal);
+    let seconds = stretch.seconds();
+    let fall = 2.0 * math::length(state.registers.gravity) * stretch.dt_s;
+    let bounces = -normal_velocity > math::max(fall, BOUNCE_MIN);
+    let spare = constraint.gap - LOOSE_REST_M;
+    if spare < 0.0 {
+        let restored = math::min(-spare * GAP_RESTORED / seconds, 0.05);
+        let bounced = if bounces {
+            -normal_velocity * constraint.restitution
+        } else {
+            0.0
+        };
+        // Between half the rest gap and all of it nothing is restored: rest would never come.
+        let restored = if spare > -0.5 * LOOSE_REST_M {
+            0.0
+        } else {
+            restored
+        };
+        math::max(bounced, restored)
+    } else if bounces {
+        f32::NEG_INFINITY
+    } else {
+        -spare / seconds
+    }
+}
+
+/// Velocity of A's surface relative to B's at a contact, in m/s.
+pub(super) fn relative_velocity(state: &State, constraint: &Constraint) -> Vec3 {
+    let a = surface_velocity(state, constraint.body_a as usize, constraint.point);
+    let b = surface_velocity(state, constraint.body_b as usize, constraint.point);
+    a + constraint.prescribed_a - b - constraint.prescribed_b
+}
+
+fn surface_velocity(state: &State, body: usize, point: Vec3) -> Vec3 {
+    if state.bodies.kind[body] != BodyKind::Dynamic.code() {
+        return Vec3::ZERO;
+    }
+    let arm = point - centre_pose(state, body).translation();
+    state.bodies.momentum[body].velocity + spin(state, body).cross(arm)
+}
+
+/// What one body adds to the matrix K that turns an impulse into a change of relative velocity
+/// (Mirtich 1996, equation 8): 1/m - [r] I^-1 [r], with [r] the cross-product matrix.
+fn mobility(state: &State, body: usize, point: Vec3) -> Mat3 {
+    let movable = state.bodies.kind[body] == BodyKind::Dynamic.code()
+        && !is_stopped(state, body, 1.0 - f32::EPSILON);
+    if !movable {
+        return Mat3::ZERO;
+    }
+    let mass = &state.bodies.mass[body];
+    let arm = point - centre_pose(state, body).translation();
+    let cross = Mat3::from_cols(
+        Vec3::new(0.0, arm.z, -arm.y),
+        Vec3::new(-arm.z, 0.0, arm.x),
+        Vec3::new(arm.y, -arm.x, 0.0),
+    );
+    let inertia = mass.inverse_inertia(state.bodies.pose[body].quat());
+    Mat3::from_diagonal(Vec3::splat(mass.inverse_mass)) - cross * inertia * cross
+}
+
+/// Applies the impulse that brings a contact to its target; whether there was anything to push.
+///
+/// First the impulse that also stops all sliding, j = K^-1 (target n - v); where Coulomb's cone does
+/// not hold it, the impulse on the cone against the slip that reaches the target (the paper's
+/// equation 10 alone reverses slip and can create energy).
+pub(super) fn push(state: &mut State, index: usize) -> bool {
+    let constraint = state.pairs.constraints[index];
+    let (a, b) = (constraint.body_a as usize, constraint.body_b as usize);
+    state.pairs.constraints[index].impulses += 1;
+    let k = mobility(state, a, constraint.point) + mobility(state, b, constraint.point);
+    let Some(impulse) = impulse(&constraint, relative_velocity(state, &constraint), &k) else {
+        return false;
+    };
+    apply(state, a, constraint.point, impulse);
+    apply(state, b, constraint.point, -impulse);
+    state.pairs.constraints[index].normal_impulse += impulse.dot(constraint.normal);
+    true
+}
+
+fn impulse(constraint: &Constraint, velocity: Vec3, k: &Mat3) -> Option<Vec3> {
+    let n = constraint.normal;
+    let along = n.dot(*k * n);
+    if along <= 0.0 {
+        return None;
+    }
+    let missing = constraint.target - velocity.dot(n);
+    let frictionless = n * (missing / along);
+    let sticking = inverse(k).map_or(frictionless, |inverse| {
+        inverse * (n * constraint.target - velocity)
+    });
+    let normal_part = sticking.dot(n);
+    let slip_part = sticking - n * normal_part;
+    let slip = math::length(slip_part);
+    if normal_part > 0.0 && slip <= constraint.friction * normal_part {
+        return Some(sticking);
+    }
+    let Some(against) = math::direction(slip_part) else {
+        return Some(frictionless);
+    };
+    let on_cone = n + against * constraint.friction;
+    let gain = n.dot(*k * on_cone);
+    // Painleve: friction that jams the contact instead of opening it is left out.
+    if gain <= 0.1 * along {
+        return Some(frictionless);
+    }
+    Some(on_cone * (missing / gain))
+}
+
+fn inverse(k: &Mat3) -> Option<Mat3> {
+    let determinant = k.determinant();
+    (determinant > 1e-20).then(|| k.inverse())
+}
+
+fn apply(state: &mut State, body: usize, point: Vec3, impulse: Vec3) {
+    if state.bodies.kind[body] != BodyKind::Dynamic.code()
+        || is_stopped(state, body, 1.0 - f32::EPSILON)
+    {
+        return;
+    }
+    let arm = point - centre_pose(state, body).translation();
+    let mass = state.bodies.mass[body].inverse_mass;
+    let momentum = &mut state.bodies.momentum[body];
+    momentum.velocity += impulse * mass;
+    momentum.angular += arm.cross(impulse);
+}
+
+/// Writes the contacts that carried an impulse where the host can read them.
+pub(super) fn record(state: &mut State, constraints: usize, report: &mut FrameReport) {
+    for index in 0..constraints {
+        let made = state.pairs.constraints[index];
+        if made.normal_impulse <= 0.0 {
+            continue;
+        }
+        let pair = state.pairs.list[made.pair as usize];
+        let point = ContactPoint {
+            piece_a: piece_id(state, pair.a),
+            piece_b: piece_id(state, pair.b),
+            point: made.point.to_array(),
+            normal: made.normal.to_array(),
+            gap_m: made.gap,
+            impulse_n_s: made.normal_impulse,
+        };
+        if !crate::state::contacts::add(state, point) {
+            report.set(FrameReport::FULL_CONTACTS);
+        }
+    }
+}
+
+pub(crate) fn piece_id(state: &State, piece: u32) -> PieceId {
+    PieceId::new(piece as usize, state.pieces.generation[piece as usize])
+}

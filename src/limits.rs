@@ -1,0 +1,121 @@
+//! Every bound of the kernel: its reason, its unit, and the relations between them, checked when
+//! the crate is compiled.
+
+use crate::math::LANE_WIDTH;
+
+/// How deep a published driven piece may overlap a fixed one, in metres: promise P1.
+///
+/// Half of it is kept as a gap on the other side, so that rounding never eats into the promise.
+pub const OVERLAP_SLOP_M: f32 = 1e-4;
+
+/// Most vertices of one piece. The ball of Schmidl and Lin 2004 has 482.
+pub const PIECE_VERTICES_MAX: usize = 512;
+
+/// Most faces of one piece: a closed triangle mesh with V vertices has 2 V - 4 faces (Euler).
+pub const PIECE_FACES_MAX: usize = 2 * PIECE_VERTICES_MAX - 4;
+
+/// Most edges of one piece: 3 V - 6 (Euler).
+pub const PIECE_EDGES_MAX: usize = 3 * PIECE_VERTICES_MAX - 6;
+
+/// Most entries in the vertex loops of one piece: every edge borders two faces.
+pub const PIECE_LOOPS_MAX: usize = 2 * PIECE_EDGES_MAX;
+
+/// Most lanes of vertices of one piece.
+pub const PIECE_LANES_MAX: usize = PIECE_VERTICES_MAX.div_ceil(LANE_WIDTH);
+
+/// Most contacts between one pair of pieces.
+pub const MANIFOLD_CONTACTS_MAX: usize = 4;
+
+/// The farthest a coordinate may be from the origin, in metres. Beyond it the spacing of f32
+/// (1 mm at 10 km) is coarser than any promise here.
+pub const WORLD_REACH_M: f32 = 1e4;
+
+const _: () = assert!(PIECE_LANES_MAX * LANE_WIDTH == PIECE_VERTICES_MAX);
+const _: () = assert!(PIECE_LOOPS_MAX <= u16::MAX as usize);
+const _: () = assert!(PIECE_VERTICES_MAX + PIECE_FACES_MAX == PIECE_EDGES_MAX + 2);
+
+/// Most legs of a driven body's way through one frame: one free leg and three slides, after which
+/// more slides were found to gain nothing within the frame (the rest follows in the next one).
+pub const LEGS_MAX: usize = 4;
+
+/// Most steps of one distance query. Cores of 512 vertices were seen to need 20.
+pub const DISTANCE_STEPS_MAX: u32 = 48;
+
+/// The gap that no path of a driven body undercuts, in metres. It is what f32 may lose between the
+/// kernel's arithmetic and the truth (pieces up to 10 m, 100 m from the origin).
+pub const GAP_FLOOR_M: f32 = 0.2 * OVERLAP_SLOP_M;
+
+/// The gap at which a driven body rests against fixed ones, in metres: above the floor so that it
+/// can slide and turn a little, below the slop so that nobody sees it.
+pub const GAP_REST_M: f32 = 0.6 * OVERLAP_SLOP_M;
+
+/// Pairs closer than this are in contact, in metres.
+pub const GAP_TOUCHING_M: f32 = OVERLAP_SLOP_M;
+
+/// A driven body in contact does not take a step shorter than this, in metres: that makes rest a
+/// fixed point (promise P4). Larger values make slow sliding visibly stick.
+pub const STILL_M: f32 = 0.1 * OVERLAP_SLOP_M;
+
+/// Advancing along a path stops when a step would be shorter than this, in metres.
+pub const STEP_MIN_M: f32 = 0.02 * OVERLAP_SLOP_M;
+
+/// Boxes are grown by this before they are paired, in metres, so that a slide along a contact
+/// mostly stays among the pairs that were found for the straight way.
+pub const PAIR_MARGIN_M: f32 = 0.02;
+
+/// Most contacts that bend one leg of a driven body's way. A body rests on three planes; more only
+/// come from many pieces touching the same surface, and then the deepest ones bind.
+pub const SLIDE_PLANES_MAX: usize = 32;
+
+/// Most units that one driven body may spend on its way through one frame.
+pub const ADVANCE_UNITS_MAX: u32 = 4096;
+
+/// Coordinates of a displacement smaller than this are no displacement, in metres or radians.
+pub const DISPLACEMENT_MIN: f32 = 1e-5;
+
+/// A displacement ends when it is small and changes by less than this, in m/s or rad/s.
+pub const DISPLACEMENT_RATE_MIN: f32 = 1e-3;
+
+/// The shortest frame that is stepped as it is, in seconds; shorter ones count as this long.
+pub const FRAME_S_MIN: f32 = 1e-4;
+
+/// The longest frame that is stepped as it is, in seconds; longer ones count as this long.
+pub const FRAME_S_MAX: f32 = 0.1;
+
+const _: () = assert!(0.0 < GAP_FLOOR_M && GAP_FLOOR_M < GAP_REST_M && GAP_REST_M < GAP_TOUCHING_M);
+const _: () = assert!(GAP_TOUCHING_M <= OVERLAP_SLOP_M);
+const _: () = assert!(STEP_MIN_M < STILL_M && STILL_M < GAP_REST_M - GAP_FLOOR_M);
+
+/// The gap at which loose bodies rest, in metres: wide enough that a rolling polyhedron passes over
+/// its corners in few steps, too narrow to be seen.
+pub const LOOSE_REST_M: f32 = 2.5 * OVERLAP_SLOP_M;
+
+/// Pairs of loose bodies closer than this get a velocity constraint, in metres.
+pub const LOOSE_MARGIN_M: f32 = 20.0 * OVERLAP_SLOP_M;
+
+/// Most events (impacts, or ends of a driven body's legs) of one frame. Loose bodies that are not
+/// through by then stop at their last safe time.
+pub const EVENTS_MAX: u32 = 32;
+
+/// Most impulses on one contact within one event.
+pub const IMPULSES_PER_CONTACT_MAX: u32 = 4;
+
+/// Events in a row that may bring nobody forward before somebody is stopped.
+pub const STALLS_MAX: u32 = 2;
+
+/// A contact that approaches slower than this is at rest, in m/s.
+pub const APPROACH_MIN: f32 = 1e-4;
+
+/// Least speed at which an impact bounces, in m/s.
+pub const BOUNCE_MIN: f32 = 1e-3;
+
+/// A loose body slower than this (surface points included) is still, in m/s.
+pub const STILL_SPEED: f32 = 0.01;
+
+/// A loose body that has been still for this long sleeps, in seconds.
+pub const SLEEP_S: f32 = 0.5;
+
+/// Share of a loose contact's missing gap that is restored each frame.
+pub const GAP_RESTORED: f32 = 0.2;
+
+const _: () = assert!(GAP_REST_M < LOOSE_REST_M && LOOSE_REST_M < LOOSE_MARGIN_M);

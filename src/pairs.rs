@@ -1,0 +1,130 @@
+//! 2 pairs: which pieces may touch this frame.
+//!
+//! Boxes swept over the frame, all against all: up to about 256 boxes nothing is faster, and it
+//! does not care about coherence. A mover's own box is tested first, so that a hand in free air
+//! costs one pass over the pieces' boxes.
+
+use crate::geometry::motion::{Motion, Track};
+use crate::limits::PAIR_MARGIN_M;
+use crate::math::Pose;
+use crate::memory::ids::is_alive;
+use crate::state::State;
+use crate::state::bodies::BodyKind;
+use crate::state::contacts::Pair;
+use crate::state::pieces::{Bounds, PiecesOf};
+
+/// There was no room for all pairs: raise [`crate::memory::Capacities::pairs`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PairsFull;
+
+/// How a body's root and its pieces' local poses move.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BodyTrack {
+    pub root: Track,
+    /// Shares of the way from the published to the target local poses.
+    pub local_from: f32,
+    pub local_to: f32,
+}
+
+impl BodyTrack {
+    pub(crate) fn still(pose: Pose, local: f32) -> Self {
+        Self {
+            root: Track::still(pose),
+            local_from: local,
+            local_to: local,
+        }
+    }
+}
+
+/// The motion of one piece of a body that moves so.
+pub(crate) fn piece_motion(state: &State, piece: usize, track: &BodyTrack) -> Motion {
+    let pieces = &state.pieces;
+    let shape = &state.pieces.shape[piece];
+    let reach = crate::math::length(shape.centre.abs() + shape.half_extents);
+    let local = Track {
+        from: pieces.local[piece],
+        to: pieces.local_target[piece],
+        start: track.local_from,
+        end: track.local_to,
+    };
+    Motion::new(track.root, local, reach)
+}
+
+/// A box around a piece's whole way.
+pub(crate) fn swept_bounds(state: &State, piece: usize, motion: &Motion) -> Bounds {
+    let shape = &state.pieces.shape[piece];
+    Bounds::of(shape, &motion.at(0.0))
+        .union(Bounds::of(shape, &motion.at(1.0)))
+        .grown(motion.bulge_m())
+}
+
+/// Writes the pairs of a driven body that moves so with fixed pieces; how many there are.
+///
+/// Cost: a pass over all pieces' boxes, and one for each piece of the body when anything is near.
+pub(crate) fn collect_driven(
+    state: &mut State,
+    body: usize,
+    track: &BodyTrack,
+) -> Result<usize, PairsFull> {
+    let slots = state.registers.piece_slots as usize;
+    let mut whole = Bounds::EMPTY;
+    let first = state.bodies.first_piece[body];
+    for piece in PiecesOf::new(state.pieces.next, first) {
+        let motion = piece_motion(state, piece, track);
+        whole = whole.union(swept_bounds(state, piece, &motion));
+    }
+    let whole = whole.grown(PAIR_MARGIN_M);
+    let fixed = BodyKind::Fixed.code();
+    let near = |state: &State, other: usize, bounds: &Bounds| {
+        state.pieces.body_kind[other] == fixed && state.pieces.bounds[other].overlaps(bounds)
+    };
+    let mut low = slots;
+    let mut high = 0;
+    for other in 0..slots {
+        if near(state, other, &whole) {
+            low = low.min(other);
+            high = other + 1;
+        }
+    }
+    let mut count = 0;
+    let mut current = if low < high { first } else { 0 };
+    while current != 0 {
+        let piece = current as usize - 1;
+        let motion = piece_motion(state, piece, track);
+        let bounds = swept_bounds(state, piece, &motion).grown(PAIR_MARGIN_M);
+        for other in low..high {
+            if near(state, other, &bounds) {
+                push(state, &mut count, piece, other)?;
+            }
+        }
+        current = state.pieces.next[piece];
+    }
+    Ok(count)
+}
+
+pub(crate) fn push(
+    state: &mut State,
+    count: &mut usize,
+    a: usize,
+    b: usize,
+) -> Result<(), PairsFull> {
+    let slot = state.pairs.list.get_mut(*count).ok_or(PairsFull)?;
+    *slot = Pair {
+        a: a as u32,
+        b: b as u32,
+        gap: 0.0,
+        gap_time: 0.0,
+        clear_until: 0.0,
+        normal: glam::Vec3::ZERO,
+        measured: 0,
+    };
+    *count += 1;
+    let mark = &mut state.registers.high_water.pairs;
+    *mark = (*mark).max(*count as u32);
+    Ok(())
+}
+
+/// Bodies of one kind that are in use, in the order of their slots.
+pub(crate) fn is_body_of(state: &State, body: usize, kind: BodyKind) -> bool {
+    is_alive(state.bodies.generation[body]) && state.bodies.kind[body] == kind.code()
+}

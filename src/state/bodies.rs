@@ -1,0 +1,252 @@
+//! Bodies: rigid unions of pieces, and how each kind of body moves.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Mat3, Quat, Vec3};
+
+use crate::limits::LEGS_MAX;
+use crate::math::Pose;
+use crate::memory::columns::columns;
+
+/// What moves a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BodyKind {
+    /// Nothing; only the host places it.
+    Fixed = 1,
+    /// Impulses and gravity.
+    Dynamic = 2,
+    /// A tracker, through a coupling, and never into fixed bodies.
+    Driven = 3,
+}
+
+impl BodyKind {
+    pub(crate) const fn code(self) -> u32 {
+        self as u32
+    }
+}
+
+/// The spring between a tracker and a driven body: m x'' = -K x - R x', where x is how far contact
+/// holds the body away from its tracker (Schmidl and Lin 2004, section 4, in displacement form).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Coupling {
+    /// Mass m in kg: how the driven body answers its own spring, and how hard it hits.
+    pub mass_kg: f32,
+    /// Stiffness K in N/m.
+    pub stiffness_n_per_m: f32,
+    /// Damping R in N s/m.
+    pub damping_n_s_per_m: f32,
+    /// How far tracker and body may be apart before the body counts as detached, in metres.
+    pub divergence_m: f32,
+    /// What happens beyond that: one of the `SNAP_*` constants.
+    pub snap: u32,
+    /// How long a lost tracker's last target is kept before the body counts as lost, in seconds.
+    pub grace_s: f32,
+}
+
+impl Coupling {
+    /// A detached body stays where contact holds it, and is reported.
+    pub const SNAP_NEVER: u32 = 0;
+    /// A detached body jumps to its tracker as soon as nothing is in the way there.
+    pub const SNAP_WHEN_FREE: u32 = 1;
+    /// Critically damped, settles in about 0.1 s, reports as detached beyond 0.3 m.
+    pub const DEFAULT: Self = Self {
+        mass_kg: 0.4,
+        stiffness_n_per_m: 1000.0,
+        damping_n_s_per_m: 40.0,
+        divergence_m: 0.3,
+        snap: Self::SNAP_NEVER,
+        grace_s: 0.1,
+    };
+
+    /// Whether the spring is one that can be integrated: positive mass, stiffness and damping not
+    /// negative, everything finite.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        let positive = self.mass_kg > 0.0 && self.divergence_m > 0.0;
+        let sign = self.stiffness_n_per_m >= 0.0 && self.damping_n_s_per_m >= 0.0;
+        let finite = self.mass_kg.is_finite()
+            && self.stiffness_n_per_m.is_finite()
+            && self.damping_n_s_per_m.is_finite();
+        positive && sign && finite && self.grace_s >= 0.0 && self.snap <= Self::SNAP_WHEN_FREE
+    }
+}
+
+impl Default for Coupling {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+/// What a body weighs.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct BodyMass {
+    pub mass_kg: f32,
+    /// Zero for a body without mass.
+    pub inverse_mass: f32,
+    /// Centre of mass in the body's frame.
+    pub centre: Vec3,
+    /// Principal moments, and their inverses (zero for a body without mass).
+    pub moments: Vec3,
+    pub inverse_moments: Vec3,
+    /// Rotation of the principal axes in the body's frame.
+    pub axes: [f32; 4],
+}
+
+impl BodyMass {
+    /// The inertia about the centre of mass, in the world, of a body turned by `rotation`.
+    pub(crate) fn inertia(&self, rotation: Quat) -> Mat3 {
+        let turned = Mat3::from_quat(rotation * Quat::from_array(self.axes));
+        turned * Mat3::from_diagonal(self.moments) * turned.transpose()
+    }
+
+    /// The inverse inertia about the centre of mass, in the world, of a body turned by `rotation`.
+    pub(crate) fn inverse_inertia(&self, rotation: Quat) -> Mat3 {
+        let turned = Mat3::from_quat(rotation * Quat::from_array(self.axes));
+        turned * Mat3::from_diagonal(self.inverse_moments) * turned.transpose()
+    }
+}
+
+/// How a dynamic body moves.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Momentum {
+    /// Velocity of the centre of mass, in m/s.
+    pub velocity: Vec3,
+    /// Angular momentum about the centre of mass in the world, in kg m2/s.
+    pub angular: Vec3,
+    /// How long the body has been still, in seconds.
+    pub still_s: f32,
+    /// One while the body sleeps.
+    pub asleep: u32,
+}
+
+/// What is known of a driven body's tracker.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct Tracker {
+    pub target: Pose,
+    /// How long the tracker has been lost, in seconds.
+    pub lost_s: f32,
+    /// One when a valid target was set since the last frame.
+    pub fresh: u32,
+    /// One once any valid target was set.
+    pub seen: u32,
+}
+
+/// How far contact holds a driven body away from its tracker, and how fast that changes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Displacement {
+    /// From the target to the body, in metres.
+    pub offset: Vec3,
+    /// Rate of the offset, in m/s.
+    pub velocity: Vec3,
+    /// Rotation vector from the target to the body, in the world.
+    pub rotation: Vec3,
+    /// Rate of the rotation vector, in rad/s.
+    pub spin: Vec3,
+}
+
+impl Displacement {
+    pub(crate) fn is_zero(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// What a frame did to a driven body.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct DrivenReport {
+    /// Bits of [`DrivenReport::TOUCHING`] and the others.
+    pub flags: u32,
+    /// How far contact holds the body from its target, in metres.
+    pub displacement_m: f32,
+    /// Force of the coupling on the hand, in newtons, in the world: the haptic signal.
+    pub force_n: [f32; 3],
+}
+
+impl DrivenReport {
+    /// Contact bent or ended the body's way.
+    pub const TOUCHING: u32 = 1;
+    /// The body stayed exactly where it was.
+    pub const HELD: u32 = 1 << 1;
+    /// The body is farther from its tracker than [`Coupling::divergence_m`].
+    pub const DETACHED: u32 = 1 << 2;
+    /// The tracker has been lost for longer than [`Coupling::grace_s`].
+    pub const LOST: u32 = 1 << 3;
+    /// The budget ended the body's way early; the rest follows next frame.
+    pub const CUT: u32 = 1 << 4;
+    /// The host placed things so that the body overlaps a fixed one, and no way out was found yet.
+    pub const OVERLAPS: u32 = 1 << 5;
+    /// A pool was full: the body stayed where it was.
+    pub const POOL_FULL: u32 = 1 << 6;
+}
+
+columns! {
+    /// One entry for every body slot.
+    pub(crate) struct Bodies(capacities) {
+        generation: [u32; capacities.bodies],
+        /// [`BodyKind`] as a number.
+        kind: [u32; capacities.bodies],
+        /// First piece, index plus one.
+        first_piece: [u32; capacities.bodies],
+        /// Published pose.
+        pose: [Pose; capacities.bodies],
+        mass: [BodyMass; capacities.bodies],
+        momentum: [Momentum; capacities.bodies],
+        tracker: [Tracker; capacities.bodies],
+        coupling: [Coupling; capacities.bodies],
+        displacement: [Displacement; capacities.bodies],
+        report: [DrivenReport; capacities.bodies],
+    }
+}
+
+/// One straight part of a driven body's way through a frame.
+///
+/// The root goes from `from` toward `to` (positions linearly, orientations by normalised linear
+/// interpolation) as far as `reached`; the pieces' local poses go from `local_from` to `local_to`,
+/// both measured as a share of the way from the frame's first to its last local poses.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct Leg {
+    pub from: Pose,
+    pub to: Pose,
+    pub local_from: f32,
+    pub local_to: f32,
+    /// Share of this leg that was found clear.
+    pub reached: f32,
+    /// Share of the frame at which the leg ends; it starts where the one before ends.
+    pub end_time: f32,
+}
+
+columns! {
+    /// Ways of driven bodies: scratch of one frame.
+    pub(crate) struct Legs(capacities) {
+        /// [`LEGS_MAX`] for every body slot.
+        legs: [Leg; capacities.bodies * LEGS_MAX as u32],
+        count: [u32; capacities.bodies],
+        /// Where the coupling wants the body.
+        wanted: [Pose; capacities.bodies],
+        /// Share of the way to the target local poses that the body has gone.
+        local_share: [f32; capacities.bodies],
+        /// Share of the frame at which a loose object stopped the body; 1 when none did.
+        stop_time: [f32; capacities.bodies],
+    }
+}
+
+impl Legs<'_> {
+    /// The legs of a body, in order.
+    pub(crate) fn of(&self, body: usize) -> &[Leg] {
+        let first = body * LEGS_MAX;
+        &self.legs[first..first + self.count[body] as usize]
+    }
+
+    /// Adds a leg; there is room by construction.
+    pub(crate) fn push(&mut self, body: usize, leg: Leg) {
+        let count = self.count[body] as usize;
+        debug_assert!(count < LEGS_MAX);
+        self.legs[body * LEGS_MAX + count] = leg;
+        self.count[body] += 1;
+    }
+}

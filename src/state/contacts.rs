@@ -1,0 +1,102 @@
+//! Pairs of pieces that may touch within a frame, and the contacts that were found.
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+use crate::memory::columns::columns;
+use crate::memory::ids::PieceId;
+use crate::state::State;
+use crate::state::pieces::Bounds;
+
+/// Two pieces that may touch within this frame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct Pair {
+    /// Piece of the body that moves.
+    pub a: u32,
+    /// The other piece.
+    pub b: u32,
+    /// A lower bound of the gap at `gap_time`, in metres.
+    pub gap: f32,
+    /// Share of the current leg at which `gap` holds.
+    pub gap_time: f32,
+    /// Share of the current leg that is known to be clear.
+    pub clear_until: f32,
+    /// Normal of the last plane found between the two, from B into A, in the world; zero if none.
+    pub normal: Vec3,
+    /// One when `gap` and `normal` were measured at the very pose that the leg starts from.
+    pub measured: u32,
+}
+
+/// A contact that the host can read after a frame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct ContactPoint {
+    /// Piece of the driven or dynamic body.
+    pub piece_a: PieceId,
+    /// Piece of the other body.
+    pub piece_b: PieceId,
+    /// Midway between the surfaces, in the world, in metres.
+    pub point: [f32; 3],
+    /// From B into A, unit length.
+    pub normal: [f32; 3],
+    /// Signed distance of the surfaces in metres; negative is overlap.
+    pub gap_m: f32,
+    /// Impulse on A along the normal during the frame, in newton seconds; zero for driven against fixed.
+    pub impulse_n_s: f32,
+}
+
+/// One contact of a loose body while its impulses are solved.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct Constraint {
+    pub pair: u32,
+    pub body_a: u32,
+    pub body_b: u32,
+    /// How often an impulse was applied here.
+    pub impulses: u32,
+    pub point: Vec3,
+    pub normal: Vec3,
+    pub gap: f32,
+    /// Velocity of B's surface that impulses do not change (a driven mover), in m/s.
+    pub prescribed_a: Vec3,
+    pub prescribed_b: Vec3,
+    /// The normal velocity that the contact must at least have, in m/s.
+    pub target: f32,
+    pub restitution: f32,
+    pub friction: f32,
+    /// Impulses so far, in newton seconds.
+    pub normal_impulse: f32,
+}
+
+columns! {
+    /// Pairs of the frame: scratch.
+    pub(crate) struct Pairs(capacities) {
+        list: [Pair; capacities.pairs],
+        constraints: [Constraint; capacities.contacts],
+        /// Box around each piece's way through a stretch of the frame.
+        swept: [Bounds; capacities.pieces],
+        /// The pair that blocked the last sweep.
+        blocking: [u32; 1],
+    }
+}
+
+columns! {
+    /// Contacts of the last frame, for the host.
+    pub(crate) struct ContactPoints(capacities) {
+        list: [ContactPoint; capacities.contacts],
+    }
+}
+
+/// Adds a contact for the host; false when there is no room.
+pub(crate) fn add(state: &mut State, point: ContactPoint) -> bool {
+    let count = state.registers.contacts as usize;
+    let Some(slot) = state.contacts.list.get_mut(count) else {
+        return false;
+    };
+    *slot = point;
+    state.registers.contacts += 1;
+    let mark = &mut state.registers.high_water.contacts;
+    *mark = (*mark).max(state.registers.contacts);
+    true
+}

@@ -1,0 +1,154 @@
+//! The host's handle: making a world, filling it, telling it what the trackers see, stepping it and
+//! reading what came out.
+
+mod bodies;
+mod pieces;
+mod snapshot;
+
+pub use bodies::{AddBodyError, BodyDef, BodyError};
+pub use pieces::{AddPieceError, PieceDef, Shape};
+
+use glam::Vec3;
+
+use crate::frame::{self, FrameInput, FrameReport};
+use crate::memory::header::{self, Header};
+use crate::memory::{AttachError, Capacities, CreateError};
+use crate::state::State;
+use crate::state::contacts::ContactPoint;
+use crate::state::materials::{BUILT_IN_MATERIALS, Material, Surface};
+
+/// Acceleration of free fall on Earth, in m/s2.
+const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
+
+/// A world in a block of the host's memory.
+///
+/// The block is the world: dropping this handle and attaching again to the same bytes, or to a copy
+/// of them elsewhere, loses nothing.
+pub struct World<'a> {
+    pub(crate) state: State<'a>,
+}
+
+/// Why a material or a surface was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MaterialError {
+    /// No room: raise [`Capacities::materials`].
+    Full,
+    /// The world has no such material.
+    Unknown,
+    /// Restitution is outside 0 to 1, or friction is negative, or one is not finite.
+    BadSurface,
+}
+
+impl<'a> World<'a> {
+    /// Makes an empty world in `memory`, which needs [`Capacities::bytes`] bytes aligned to
+    /// [`crate::memory::BLOCK_ALIGNMENT`]. What the bytes held before does not matter.
+    ///
+    /// # Errors
+    /// [`CreateError`] names what is wrong with the block or the capacities.
+    pub fn create(memory: &'a mut [u8], capacities: &Capacities) -> Result<Self, CreateError> {
+        header::judge(memory, capacities)?;
+        let memory = &mut memory[..capacities.bytes()];
+        memory.fill(0);
+        let mut state = State::cut(memory, capacities);
+        *state.header = Header::new(capacities);
+        state.registers.gravity = GRAVITY;
+        let stride = state.material_stride();
+        state.materials.fill_built_in(stride);
+        Ok(Self { state })
+    }
+
+    /// Takes up a world that was made in `memory`, or copied there.
+    ///
+    /// # Errors
+    /// [`AttachError`] when the block holds no world of this library, or a damaged one.
+    pub fn attach(memory: &'a mut [u8]) -> Result<Self, AttachError> {
+        let header = Header::read(memory)?;
+        if !header::is_aligned(memory) {
+            return Err(AttachError::Misaligned);
+        }
+        let memory = &mut memory[..header.capacities.bytes()];
+        Ok(Self {
+            state: State::cut(memory, &header.capacities),
+        })
+    }
+
+    /// The capacities that the world was made with.
+    #[must_use]
+    pub fn capacities(&self) -> Capacities {
+        self.state.header.capacities
+    }
+
+    /// The most that was ever in use at once: what to ship as capacities.
+    #[must_use]
+    pub fn high_water(&self) -> Capacities {
+        self.state.registers.high_water
+    }
+
+    /// Sets the acceleration of loose bodies, in m/s2. What is not finite is left out.
+    pub fn set_gravity(&mut self, gravity: [f32; 3]) {
+        let gravity = Vec3::from_array(gravity);
+        if gravity.is_finite() {
+            self.state.registers.gravity = gravity;
+        }
+    }
+
+    /// Adds a material, without friction or restitution against any other.
+    ///
+    /// # Errors
+    /// [`MaterialError::Full`].
+    pub fn add_material(&mut self) -> Result<Material, MaterialError> {
+        let used = self.state.registers.materials;
+        if used >= self.state.header.capacities.materials {
+            return Err(MaterialError::Full);
+        }
+        self.state.registers.materials += 1;
+        self.state.note_use();
+        Ok(Material(BUILT_IN_MATERIALS + used))
+    }
+
+    /// Sets how two materials meet, in either order.
+    ///
+    /// # Errors
+    /// [`MaterialError::Unknown`], [`MaterialError::BadSurface`].
+    pub fn set_surface(
+        &mut self,
+        a: Material,
+        b: Material,
+        surface: Surface,
+    ) -> Result<(), MaterialError> {
+        if !self.has_material(a) || !self.has_material(b) {
+            return Err(MaterialError::Unknown);
+        }
+        let restitution = (0.0..=1.0).contains(&surface.restitution);
+        let friction = surface.friction >= 0.0 && surface.friction.is_finite();
+        if !restitution || !friction {
+            return Err(MaterialError::BadSurface);
+        }
+        let stride = self.state.material_stride();
+        self.state.materials.set_pair(stride, a.0, b.0, surface);
+        Ok(())
+    }
+
+    pub(crate) fn has_material(&self, material: Material) -> bool {
+        material.0 < BUILT_IN_MATERIALS + self.state.registers.materials
+    }
+
+    /// Steps the world by one frame.
+    ///
+    /// Spends at most the budget's units; the report says what was spent and what was cut.
+    pub fn step(&mut self, input: &FrameInput) -> FrameReport {
+        frame::step(&mut self.state, input)
+    }
+
+    /// The contacts of the last frame.
+    #[must_use]
+    pub fn contacts(&self) -> &[ContactPoint] {
+        &self.state.contacts.list[..self.state.registers.contacts as usize]
+    }
+
+    /// A hash of the whole state: equal for equal histories, on every processor.
+    #[must_use]
+    pub fn hash(&self) -> u64 {
+        self.state.hash()
+    }
+}

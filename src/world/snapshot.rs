@@ -1,0 +1,51 @@
+//! Saving a world's state and rolling back to it.
+
+use super::World;
+use crate::memory::SnapshotError;
+use crate::memory::header::Header;
+use crate::state::State;
+
+impl World<'_> {
+    /// Bytes of a snapshot: the state without the scratch of a frame.
+    #[must_use]
+    pub fn snapshot_bytes(&self) -> usize {
+        State::lasting_bytes(&self.state.header.capacities) as usize
+    }
+
+    /// Copies the state into `buffer`; how many bytes were written.
+    ///
+    /// # Errors
+    /// [`SnapshotError::TooSmall`].
+    pub fn save(&self, buffer: &mut [u8]) -> Result<usize, SnapshotError> {
+        if buffer.len() < self.snapshot_bytes() {
+            return Err(SnapshotError::TooSmall);
+        }
+        let mut end = 0;
+        self.state.visit(&mut |column| {
+            buffer[end..end + column.len()].copy_from_slice(column);
+            end += column.len();
+        });
+        Ok(end)
+    }
+
+    /// Rolls back to a snapshot of a world with the same capacities, this one or another. On an
+    /// error nothing has changed.
+    ///
+    /// # Errors
+    /// [`SnapshotError`] when the buffer holds no such snapshot.
+    pub fn load(&mut self, buffer: &[u8]) -> Result<(), SnapshotError> {
+        let header = Header::read_any(buffer).ok_or(SnapshotError::Damaged)?;
+        if header != *self.state.header {
+            return Err(SnapshotError::OtherLayout);
+        }
+        if buffer.len() < self.snapshot_bytes() {
+            return Err(SnapshotError::TooSmall);
+        }
+        let mut end = 0;
+        self.state.visit_mut(&mut |column| {
+            column.copy_from_slice(&buffer[end..end + column.len()]);
+            end += column.len();
+        });
+        Ok(())
+    }
+}
