@@ -133,6 +133,7 @@ fn walk(
         if sweep::overlaps(state, count) {
             flags |= DrivenReport::OVERLAPS;
         }
+        sweep::mark_touching(state, count);
         let plan = slide::plan(state, count, &at, &wanted, keep_turn);
         if !covered.holds(&at, &plan.goal) {
             count = pairs::collect_driven(state, body, &track(&at, &plan.goal))?;
@@ -163,6 +164,7 @@ fn walk(
         // Blocked at once though the contacts' planes allowed the way: the turn itself is in the way.
         keep_turn = !taken && plan.bent;
     }
+    sweep::record(state, count);
     Ok(flags | held(state, body))
 }
 

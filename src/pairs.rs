@@ -116,6 +116,8 @@ pub(crate) fn push(
         gap_time: 0.0,
         clear_until: 0.0,
         normal: glam::Vec3::ZERO,
+        point: glam::Vec3::ZERO,
+        bends: 0,
         measured: 0,
     };
     *count += 1;

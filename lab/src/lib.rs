@@ -1,6 +1,11 @@
 //! The std side of Palpable: scenes, motions, independent references and reports. Hosts never link
 //! this.
 
+pub mod gallery;
 pub mod hand;
+pub mod hand_scene;
+pub mod memory;
 pub mod reference;
 pub mod report;
+pub mod run;
+pub mod script;

@@ -3,7 +3,7 @@
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
-use super::{Plan, Position, touches, track};
+use super::{Plan, Position, track};
 use crate::geometry::time_of_contact::plane_gap;
 use crate::limits::{GAP_REST_M, SLIDE_PLANES_MAX};
 use crate::math::{self, Pose};
@@ -75,7 +75,7 @@ fn whole_motion_planes(
     let leg = track(at, wanted);
     let mut planes = HalfSpaces::new();
     for pair in &state.pairs.list[..pairs] {
-        if pair.measured == 1 && touches(pair.gap) {
+        if pair.bends == 1 {
             let (a, b) = (pair.a as usize, pair.b as usize);
             let end = plane_gap(
                 &state.pools.convex(&state.pieces.shape[a]),
@@ -112,7 +112,7 @@ fn plan_translation(state: &State, pairs: usize, at: &Position, wanted: &Positio
     let way = wanted.root.translation() - at.root.translation();
     let mut planes = HalfSpaces::new();
     for pair in &state.pairs.list[..pairs] {
-        if pair.measured == 1 && touches(pair.gap) {
+        if pair.bends == 1 {
             let kept = math::min(GAP_REST_M, pair.gap);
             add(
                 &mut planes,

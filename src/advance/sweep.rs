@@ -8,6 +8,7 @@ use crate::limits::{GAP_FLOOR_M, STEP_MIN_M};
 use crate::math;
 use crate::pairs::{BodyTrack, piece_motion};
 use crate::state::State;
+use crate::state::contacts::{self, ContactPoint};
 
 /// How far a leg was found clear.
 #[derive(Clone, Copy, Debug)]
@@ -56,9 +57,35 @@ pub(super) fn measure_touching(
         );
         pair.gap = found.gap_m;
         pair.normal = found.normal;
+        pair.point = 0.5 * (found.point_a + found.point_b);
         pair.measured = 1;
     }
     true
+}
+
+/// Notes which pairs are in contact where the next leg starts.
+pub(super) fn mark_touching(state: &mut State, pairs: usize) {
+    for pair in &mut state.pairs.list[..pairs] {
+        pair.bends = u32::from(pair.measured == 1 && touches(pair.gap));
+    }
+}
+
+/// Writes the contacts that the last leg met where the host can read them.
+pub(super) fn record(state: &mut State, pairs: usize) {
+    for index in 0..pairs {
+        let pair = state.pairs.list[index];
+        if pair.bends == 1 {
+            let point = ContactPoint {
+                piece_a: state.pieces.id(pair.a),
+                piece_b: state.pieces.id(pair.b),
+                point: pair.point.to_array(),
+                normal: pair.normal.to_array(),
+                gap_m: pair.gap,
+                impulse_n_s: 0.0,
+            };
+            contacts::add(state, point);
+        }
+    }
 }
 
 /// Whether a measured pair overlaps.
@@ -148,6 +175,7 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
     pair.gap = found.gap_m;
     pair.gap_time = time;
     pair.normal = found.normal;
+    pair.point = found.point;
     pair.clear_until = math::max(time, found.clear_until);
     let gained = (pair.clear_until - time) * motion.way_m();
     pair.clear_until < 1.0 && gained < STEP_MIN_M

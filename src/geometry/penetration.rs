@@ -31,12 +31,19 @@
 use arrayvec::ArrayVec;
 use glam::{Mat3, Vec3};
 
-use crate::geometry::convex::{Convex, Edge};
+use crate::geometry::convex::{Convex, Edge, Lane};
 use crate::limits::PIECE_FACES_MAX;
-use crate::math::{LANE_WIDTH, Pose, direction, length, perpendicular};
+use crate::math::{LANE_WIDTH, Pose, direction, length, max, min, perpendicular};
 
 /// Two edges are parallel when the sine of their angle is at most this.
 pub const PARALLEL_SINE: f32 = 1e-6;
+
+/// How much too large pruning takes its bounds, as a part of the pieces' sizes.
+///
+/// Rounding moves heights by 1e-7 of the size s, and where the normals of an edge differ by an
+/// angle t it moves the best axis between them by 1e-7 s / t. That axis is better than the normals
+/// by at most s t^2 / 8. The lesser of both is largest for t near 0.01, where it is 1.1e-5 s.
+const PRUNING_PART: f32 = 2e-5;
 
 /// Lanes of B's edges that are compared with all edges of A before the next ones are loaded.
 const EDGE_LANES_MAX: usize = 32;
@@ -216,7 +223,7 @@ pub const fn verifications_max(edges: (usize, usize)) -> usize {
     64 + 2 * (edges.0 + edges.1)
 }
 
-/// A core seen as a ball: a point inside and the distance of the nearest face from it.
+/// A point inside a core and a distance that the core's surface keeps from it.
 #[derive(Clone, Copy)]
 struct Heart {
     centre: Vec3,
@@ -224,12 +231,25 @@ struct Heart {
 }
 
 impl Heart {
+    /// The mean of the vertices, those that fill up the last lane included.
     fn of(piece: &Convex) -> Self {
-        let mut sum = Vec3::ZERO;
-        for index in 0..piece.vertex_count {
-            sum += piece.vertex(index);
+        let mut sum = Lane {
+            x: [0.0; LANE_WIDTH],
+            y: [0.0; LANE_WIDTH],
+            z: [0.0; LANE_WIDTH],
+        };
+        for lane in piece.lanes {
+            for i in 0..LANE_WIDTH {
+                sum.x[i] += lane.x[i];
+                sum.y[i] += lane.y[i];
+                sum.z[i] += lane.z[i];
+            }
         }
-        let centre = sum / piece.vertex_count as f32;
+        let mut total = Vec3::ZERO;
+        for i in 0..LANE_WIDTH {
+            total += Vec3::new(sum.x[i], sum.y[i], sum.z[i]);
+        }
+        let centre = total / (piece.lanes.len() * LANE_WIDTH) as f32;
         let mut radius = f32::INFINITY;
         for face in piece.faces {
             let inside = face.offset - face.normal.dot(centre);
@@ -238,6 +258,58 @@ impl Heart {
         let solid = radius > 0.0 && radius < f32::INFINITY;
         let radius = if solid { radius } else { 0.0 };
         Self { centre, radius }
+    }
+}
+
+/// How far the heart of the other core is outside each face of a piece, and with it how little
+/// overlap the axes of faces and edges can have.
+struct Heights<'p, 'a> {
+    piece: &'p Convex<'a>,
+    /// Radius of the other core's heart, less what rounding may hide.
+    radius: f32,
+    outside: ArrayVec<f32, PIECE_FACES_MAX>,
+}
+
+impl<'p, 'a> Heights<'p, 'a> {
+    fn new(piece: &'p Convex<'a>, heart: Heart, rounding: f32) -> Self {
+        Self {
+            piece,
+            radius: heart.radius - rounding,
+            outside: piece
+                .faces
+                .iter()
+                .map(|face| face.normal.dot(heart.centre) - face.offset)
+                .collect(),
+        }
+    }
+
+    /// Least overlap that the axis of a face can have.
+    fn face_bound(&self, index: usize) -> f32 {
+        self.radius - self.outside[index]
+    }
+
+    /// Whether an axis between the normals of an edge's two faces can have overlap below `cap`.
+    ///
+    /// The faces' planes meet in the edge, so their heights are the products of their normals with
+    /// one vector, from the edge to the heart. The largest product of a unit vector between the
+    /// normals is that of one of them, or the length of the vector's projection onto their plane
+    /// if that lies between them. With c the cosine of the normals and q = 1 - c that is
+    /// ((m1 - m2)^2 + 2 q m1 m2) / (q (2 - q)), squared.
+    fn edge_matters(&self, edge: &Edge, cap: f32) -> bool {
+        let (f1, f2) = (edge.faces[0] as usize, edge.faces[1] as usize);
+        let (m1, m2) = (self.outside[f1], self.outside[f2]);
+        let bound = self.radius - cap;
+        if m1 > bound || m2 > bound {
+            return true;
+        }
+        if m1 <= 0.0 && m2 <= 0.0 {
+            return false;
+        }
+        let apart = self.piece.faces[f1].normal - self.piece.faces[f2].normal;
+        let q = 0.5 * apart.length_squared();
+        let between = m1 - m2 + q * m2 > 0.0 && m2 - m1 + q * m1 > 0.0;
+        let squared = (m1 - m2) * (m1 - m2) + 2.0 * q * m1 * m2;
+        between && squared > bound * bound * (q * (2.0 - q))
     }
 }
 
@@ -296,25 +368,6 @@ impl Arc {
             second: piece.faces[edge.faces[1] as usize].normal,
         }
     }
-
-    /// Whether a unit normal between `first` and `second` reaches farther than `bound` along `u`.
-    ///
-    /// Without faces the arc is the whole circle at right angles to the edge.
-    fn reaches(&self, u: Vec3, bound: f32, whole_circle: bool) -> bool {
-        let (m1, m2) = (self.first.dot(u), self.second.dot(u));
-        if !whole_circle {
-            if m1 > bound || m2 > bound {
-                return true;
-            }
-            let cosine = self.first.dot(self.second);
-            if m1 - cosine * m2 <= 0.0 || m2 - cosine * m1 <= 0.0 {
-                return false;
-            }
-        }
-        let slant = self.along.dot(u);
-        let across = u.length_squared() - slant * slant / self.along.length_squared();
-        bound < 0.0 || across > bound * bound
-    }
 }
 
 /// Which of the two cores is a segment, whose arc is a whole circle.
@@ -326,14 +379,11 @@ enum Arcs {
 }
 
 struct Search<'p, 'a, 'b, S> {
-    a: &'p Convex<'a>,
-    b: &'p Convex<'b>,
+    a: Heights<'p, 'a>,
+    b: Heights<'p, 'b>,
     rotation: Mat3,
     inverse: Mat3,
     position: Vec3,
-    heart_a: Heart,
-    heart_b: Heart,
-    normals_a: ArrayVec<Vec3, PIECE_FACES_MAX>,
     verifications_left: usize,
     sink: S,
 }
@@ -350,94 +400,96 @@ struct Axis {
 impl<'p, 'a, 'b, S: Sink> Search<'p, 'a, 'b, S> {
     fn new(a: &'p Convex<'a>, b: &'p Convex<'b>, a_in_b: &Pose, sink: S) -> Self {
         let rotation = a_in_b.matrix();
+        let inverse = rotation.transpose();
         let position = a_in_b.translation();
-        let inner = Heart::of(a);
-        let mut search = Self {
-            a,
-            b,
+        let (of_a, of_b) = (Heart::of(a), Heart::of(b));
+        let of_a_in_b = Heart {
+            centre: rotation * of_a.centre + position,
+            ..of_a
+        };
+        let of_b_in_a = Heart {
+            centre: inverse * (of_b.centre - position),
+            ..of_b
+        };
+        let rounding = PRUNING_PART * (a.size() + b.size());
+        Self {
+            a: Heights::new(a, of_b_in_a, rounding),
+            b: Heights::new(b, of_a_in_b, rounding),
             rotation,
-            inverse: rotation.transpose(),
+            inverse,
             position,
-            heart_a: Heart {
-                centre: rotation * inner.centre + position,
-                radius: inner.radius,
-            },
-            heart_b: Heart::of(b),
-            normals_a: ArrayVec::new(),
             verifications_left: verifications_max((a.edges.len(), b.edges.len())),
             sink,
-        };
-        for face in a.faces {
-            search.normals_a.push(rotation * face.normal);
         }
-        search
-    }
-
-    /// Least overlap that face `index` of B can have.
-    fn bound_of_face_b(&self, index: usize) -> f32 {
-        let face = &self.b.faces[index];
-        face.offset - face.normal.dot(self.heart_a.centre) + self.heart_a.radius
-    }
-
-    /// Least overlap that face `index` of A can have.
-    fn bound_of_face_a(&self, index: usize) -> f32 {
-        let normal = self.normals_a[index];
-        let offset = self.a.faces[index].offset;
-        offset - normal.dot(self.heart_b.centre - self.position) + self.heart_b.radius
     }
 
     /// Tests the face with the least bound first, so that the others are pruned early.
     fn seed(&mut self) {
         let mut least = f32::INFINITY;
         let mut seed = Feature::Points;
-        for index in 0..self.b.faces.len() {
-            let bound = self.bound_of_face_b(index);
+        for index in 0..self.b.outside.len() {
+            let bound = self.b.face_bound(index);
             if bound < least {
-                least = bound;
-                seed = Feature::FaceB(index as u16);
+                (least, seed) = (bound, Feature::FaceB(index as u16));
             }
         }
-        for index in 0..self.a.faces.len() {
-            let bound = self.bound_of_face_a(index);
+        for index in 0..self.a.outside.len() {
+            let bound = self.a.face_bound(index);
             if bound < least {
-                least = bound;
-                seed = Feature::FaceA(index as u16);
+                (least, seed) = (bound, Feature::FaceA(index as u16));
             }
         }
         match seed {
-            Feature::FaceA(index) => self.try_axis(-self.normals_a[index as usize], seed),
-            Feature::FaceB(index) => self.try_axis(self.b.faces[index as usize].normal, seed),
+            Feature::FaceA(index) => self.try_face_a(index as usize),
+            Feature::FaceB(index) => self.try_face_b(index as usize),
             Feature::Edges(..) | Feature::Points => {}
         }
     }
 
     fn all_faces(&mut self) {
-        for index in 0..self.b.faces.len() {
+        for index in 0..self.b.outside.len() {
             if self.sink.done() {
                 return;
             }
-            if self.bound_of_face_b(index) < self.sink.cap() {
-                let normal = self.b.faces[index].normal;
-                self.try_axis(normal, Feature::FaceB(index as u16));
+            if self.b.face_bound(index) < self.sink.cap() {
+                self.try_face_b(index);
             }
         }
-        for index in 0..self.a.faces.len() {
+        for index in 0..self.a.outside.len() {
             if self.sink.done() {
                 return;
             }
-            if self.bound_of_face_a(index) < self.sink.cap() {
-                let normal = -self.normals_a[index];
-                self.try_axis(normal, Feature::FaceA(index as u16));
+            if self.a.face_bound(index) < self.sink.cap() {
+                self.try_face_a(index);
             }
+        }
+    }
+
+    /// Tests a face of B; its own side is known, so the support of A alone can rule it out.
+    fn try_face_b(&mut self, index: usize) {
+        let face = &self.b.piece.faces[index];
+        let low = self.a.piece.support(self.inverse * -face.normal).reach;
+        if low + face.offset - face.normal.dot(self.position) < self.sink.cap() {
+            self.try_axis(face.normal, Feature::FaceB(index as u16));
+        }
+    }
+
+    /// Tests a face of A; its own side is known, so the support of B alone can rule it out.
+    fn try_face_a(&mut self, index: usize) {
+        let face = &self.a.piece.faces[index];
+        let normal = self.rotation * -face.normal;
+        let high = self.b.piece.support(normal).reach;
+        if high + face.offset - normal.dot(self.position) < self.sink.cap() {
+            self.try_axis(normal, Feature::FaceA(index as u16));
         }
     }
 
     /// Measures the overlap along a unit vector by the supports of both cores.
     fn try_axis(&mut self, normal: Vec3, feature: Feature) {
-        let low = self.a.support(self.inverse * -normal);
-        let high = self.b.support(normal);
+        let low = self.a.piece.support(self.inverse * -normal);
+        let high = self.b.piece.support(normal);
         let from = self.point_of_a(low.index);
-        let depth = normal.dot(self.b.vertex(high.index) - from);
+        let depth = normal.dot(self.b.piece.vertex(high.index) - from);
         self.sink.take(&Axis {
             normal,
             depth,
@@ -447,67 +499,44 @@ impl<'p, 'a, 'b, S: Sink> Search<'p, 'a, 'b, S> {
     }
 
     fn point_of_a(&self, index: usize) -> Vec3 {
-        self.rotation * self.a.vertex(index) + self.position
+        self.rotation * self.a.piece.vertex(index) + self.position
     }
 
     fn all_edges(&mut self) {
-        let arcs = match (self.a.faces.is_empty(), self.b.faces.is_empty()) {
+        let arcs = match (self.a.outside.is_empty(), self.b.outside.is_empty()) {
             (true, _) => Arcs::OnlyB,
             (_, true) => Arcs::OnlyA,
             _ => Arcs::Both,
         };
         let mut lanes = ArrayVec::<EdgeLane, EDGE_LANES_MAX>::new();
         let mut next = 0;
-        while next < self.b.edges.len() && !self.sink.done() {
+        while next < self.b.piece.edges.len() && !self.sink.done() {
             lanes.clear();
             next = self.load_edges_of_b(next, &mut lanes);
             if lanes.is_empty() {
                 return;
             }
-            for index in 0..self.a.edges.len() {
+            for index in 0..self.a.piece.edges.len() {
                 if self.sink.done() {
                     return;
                 }
-                let edge = self.arc_of_a(index);
-                if self.edge_of_a_matters(&edge) {
-                    self.against_lanes(&edge, index, &lanes, arcs);
+                let edge = &self.a.piece.edges[index];
+                if arcs == Arcs::OnlyB || self.a.edge_matters(edge, self.sink.cap()) {
+                    let arc = self.arc_of_a(index);
+                    self.against_lanes(&arc, index, &lanes, arcs);
                 }
             }
         }
     }
 
     fn arc_of_a(&self, index: usize) -> Arc {
-        let edge = &self.a.edges[index];
-        let start = self.a.vertex(edge.vertices[0] as usize);
-        let end = self.a.vertex(edge.vertices[1] as usize);
-        let (first, second) = if self.normals_a.is_empty() {
-            (Vec3::ZERO, Vec3::ZERO)
-        } else {
-            (
-                self.normals_a[edge.faces[0] as usize],
-                self.normals_a[edge.faces[1] as usize],
-            )
-        };
+        let arc = Arc::of(self.a.piece, &self.a.piece.edges[index]);
         Arc {
-            start: self.rotation * start + self.position,
-            along: self.rotation * (end - start),
-            first,
-            second,
+            start: self.rotation * arc.start + self.position,
+            along: self.rotation * arc.along,
+            first: self.rotation * arc.first,
+            second: self.rotation * arc.second,
         }
-    }
-
-    /// Whether some normal of an edge of A can beat the best depth.
-    fn edge_of_a_matters(&self, edge: &Arc) -> bool {
-        let u = self.heart_b.centre - edge.start;
-        let bound = self.heart_b.radius - self.sink.cap();
-        edge.reaches(u, bound, self.a.faces.is_empty())
-    }
-
-    /// Whether some normal of an edge of B can beat the best depth.
-    fn edge_of_b_matters(&self, edge: &Arc) -> bool {
-        let u = self.heart_a.centre - edge.start;
-        let bound = self.heart_a.radius - self.sink.cap();
-        edge.reaches(u, bound, self.b.faces.is_empty())
     }
 
     /// Fills the lanes with edges of B from index `next` on; returns the first that was not seen.
@@ -516,10 +545,11 @@ impl<'p, 'a, 'b, S: Sink> Search<'p, 'a, 'b, S> {
         next: usize,
         lanes: &mut ArrayVec<EdgeLane, EDGE_LANES_MAX>,
     ) -> usize {
+        let edges = self.b.piece.edges;
+        let segment = self.b.outside.is_empty();
         let mut place = LANE_WIDTH;
-        for index in next..self.b.edges.len() {
-            let edge = Arc::of(self.b, &self.b.edges[index]);
-            if !self.edge_of_b_matters(&edge) {
+        for index in next..edges.len() {
+            if !segment && !self.b.edge_matters(&edges[index], self.sink.cap()) {
                 continue;
             }
             if place == LANE_WIDTH {
@@ -530,11 +560,11 @@ impl<'p, 'a, 'b, S: Sink> Search<'p, 'a, 'b, S> {
                 place = 0;
             }
             if let Some(lane) = lanes.last_mut() {
-                lane.set(place, &edge, index);
+                lane.set(place, &Arc::of(self.b.piece, &edges[index]), index);
             }
             place += 1;
         }
-        self.b.edges.len()
+        edges.len()
     }
 
     fn against_lanes(&mut self, edge: &Arc, index: usize, lanes: &[EdgeLane], arcs: Arcs) {
@@ -561,7 +591,7 @@ impl<'p, 'a, 'b, S: Sink> Search<'p, 'a, 'b, S> {
 
     /// Tests the axis of two edges whose arcs cross.
     fn try_edges(&mut self, edge: &Arc, index_a: usize, index_b: usize, arcs: Arcs) {
-        let other = Arc::of(self.b, &self.b.edges[index_b]);
+        let other = Arc::of(self.b.piece, &self.b.piece.edges[index_b]);
         let cross = edge.along.cross(other.along);
         let sine_squared = cross.length_squared();
         let scale = edge.along.length_squared() * other.along.length_squared();
@@ -592,7 +622,7 @@ impl Search<'_, '_, '_, Least> {
         let (point_a, point_b) = match best.feature {
             Feature::Edges(index_a, index_b) => {
                 let edge = self.arc_of_a(index_a as usize);
-                let other = Arc::of(self.b, &self.b.edges[index_b as usize]);
+                let other = Arc::of(self.b.piece, &self.b.piece.edges[index_b as usize]);
                 closest_points(edge.start, edge.along, other.start, other.along)
             }
             _ => (below, below + best.normal * best.depth),
@@ -635,15 +665,25 @@ fn straddles(p: &[f32; LANE_WIDTH], q: &[f32; LANE_WIDTH]) -> u32 {
 /// when b1.d, -b2.d, a1.e and -a2.e all have the same sign.
 #[inline]
 fn crossings(edge: &Arc, lane: &EdgeLane) -> u32 {
-    let p1 = dots(&lane.first, edge.along);
-    let p2 = dots(&lane.second, edge.along);
-    let q1 = dots(&lane.along, edge.first);
-    let q2 = dots(&lane.along, edge.second);
+    let mut cross = [0.0; LANE_WIDTH];
+    for i in 0..LANE_WIDTH {
+        let dot =
+            |v: &[[f32; LANE_WIDTH]; 3], w: Vec3| v[0][i] * w.x + v[1][i] * w.y + v[2][i] * w.z;
+        let p1 = dot(&lane.first, edge.along);
+        let p2 = -dot(&lane.second, edge.along);
+        let q1 = dot(&lane.along, edge.first);
+        let q2 = -dot(&lane.along, edge.second);
+        let least = min(min(p1, p2), min(q1, q2));
+        let most = max(max(p1, p2), max(q1, q2));
+        cross[i] = max(least, -most);
+    }
+    let pairs: [f32; 4] = core::array::from_fn(|i| max(cross[i], cross[i + 4]));
+    if max(max(pairs[0], pairs[1]), max(pairs[2], pairs[3])) <= 0.0 {
+        return 0;
+    }
     let mut bits = 0;
     for i in 0..LANE_WIDTH {
-        let above = (p1[i] > 0.0) & (p2[i] < 0.0) & (q1[i] > 0.0) & (q2[i] < 0.0);
-        let below = (p1[i] < 0.0) & (p2[i] > 0.0) & (q1[i] < 0.0) & (q2[i] > 0.0);
-        bits |= u32::from(above | below) << i;
+        bits |= u32::from(cross[i] > 0.0) << i;
     }
     bits
 }

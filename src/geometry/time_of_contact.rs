@@ -26,6 +26,8 @@ pub struct Clearance {
     pub normal: Vec3,
     /// Certified gap between the surfaces at that time, in metres; negative when they overlap.
     pub gap_m: f32,
+    /// Midway between the surfaces where they are nearest, in the world.
+    pub point: Vec3,
     /// The gap stays at least the floor until then, in 0..=1.
     pub clear_until: f32,
 }
@@ -68,6 +70,7 @@ impl MovingPair<'_> {
         Clearance {
             normal: found.normal,
             gap_m: found.gap_m,
+            point: 0.5 * (found.point_a + found.point_b),
             clear_until: self.furthest(time, found.gap_m, floor_m, found.normal),
         }
     }

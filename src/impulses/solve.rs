@@ -11,7 +11,6 @@ use crate::geometry::manifold::{Contact, manifold};
 use crate::geometry::separation::core_gap;
 use crate::limits::{BOUNCE_MIN, GAP_RESTORED, LOOSE_MARGIN_M, LOOSE_REST_M};
 use crate::math;
-use crate::memory::ids::PieceId;
 use crate::state::State;
 use crate::state::bodies::BodyKind;
 use crate::state::contacts::{Constraint, ContactPoint, Pair};
@@ -229,8 +228,8 @@ pub(super) fn record(state: &mut State, constraints: usize, report: &mut FrameRe
         }
         let pair = state.pairs.list[made.pair as usize];
         let point = ContactPoint {
-            piece_a: piece_id(state, pair.a),
-            piece_b: piece_id(state, pair.b),
+            piece_a: state.pieces.id(pair.a),
+            piece_b: state.pieces.id(pair.b),
             point: made.point.to_array(),
             normal: made.normal.to_array(),
             gap_m: made.gap,
@@ -240,8 +239,4 @@ pub(super) fn record(state: &mut State, constraints: usize, report: &mut FrameRe
             report.set(FrameReport::FULL_CONTACTS);
         }
     }
-}
-
-pub(crate) fn piece_id(state: &State, piece: u32) -> PieceId {
-    PieceId::new(piece as usize, state.pieces.generation[piece as usize])
 }

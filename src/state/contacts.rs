@@ -24,6 +24,10 @@ pub(crate) struct Pair {
     pub clear_until: f32,
     /// Normal of the last plane found between the two, from B into A, in the world; zero if none.
     pub normal: Vec3,
+    /// Midway between the surfaces where `gap` was measured, in the world.
+    pub point: Vec3,
+    /// One when the pair bent the current leg.
+    pub bends: u32,
     /// One when `gap` and `normal` were measured at the very pose that the leg starts from.
     pub measured: u32,
 }

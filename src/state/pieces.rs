@@ -6,6 +6,7 @@ use glam::Vec3;
 use crate::geometry::convex::{Convex, Edge, Face, Lane};
 use crate::math::{self, Pose};
 use crate::memory::columns::columns;
+use crate::memory::ids::PieceId;
 
 /// Where a piece's vertices, faces, edges and loops lie in the pools, and its bounds.
 #[repr(C)]
@@ -117,6 +118,13 @@ columns! {
         faces: [Face; capacities.faces()],
         edges: [Edge; capacities.edges()],
         loops: [u16; capacities.loops()],
+    }
+}
+
+impl Pieces<'_> {
+    /// The id of the piece in a slot.
+    pub(crate) fn id(&self, slot: u32) -> PieceId {
+        PieceId::new(slot as usize, self.generation[slot as usize])
     }
 }
 

@@ -1,0 +1,395 @@
+//! Least translations of unions: the paper's figures, and random unions checked by penetration.
+
+use glam::Vec3;
+use palpable::geometry::penetration::core_penetration;
+use palpable::geometry::union::{
+    NODES_USUAL, Translation, UnionPair, UnionScratch, least_translation, weighted_mean,
+};
+use palpable::math::Pose;
+use shapes::{Hull, Random, blob, cuboid};
+
+type Placed = (Hull, Pose);
+
+fn all_pairs<'p>(a: &'p [Placed], b: &'p [Placed]) -> Vec<UnionPair<'p>> {
+    let pair = |a: &'p Placed, b: &'p Placed| UnionPair {
+        a: a.0.view(),
+        a_pose: a.1,
+        b: b.0.view(),
+        b_pose: b.1,
+    };
+    a.iter()
+        .flat_map(|a| b.iter().map(move |b| pair(a, b)))
+        .collect()
+}
+
+fn solve(pairs: &[UnionPair], nodes: u32) -> Translation {
+    least_translation(pairs, 0.0, nodes, &mut UnionScratch::new())
+}
+
+/// The deepest core overlap left after moving all A pieces.
+fn overlap_left(pairs: &[UnionPair], offset: Vec3) -> f32 {
+    let left = |pair: &UnionPair| {
+        let pose = pair.a_pose.moved(offset).seen_from(&pair.b_pose);
+        core_penetration(&pair.a, &pair.b, &pose).depth + pair.a.radius + pair.b.radius
+    };
+    pairs.iter().map(left).fold(f32::NEG_INFINITY, f32::max)
+}
+
+fn slab(half: Vec3, at: Vec3) -> Placed {
+    (cuboid(half), Pose::at(at.x, at.y, at.z))
+}
+
+#[test]
+fn one_pair_leaves_by_its_depth() {
+    let a = [slab(Vec3::ONE, Vec3::new(1.9, 0.2, 0.1))];
+    let b = [slab(Vec3::ONE, Vec3::ZERO)];
+    let pairs = all_pairs(&a, &b);
+    let found = solve(&pairs, NODES_USUAL);
+    assert!((found.offset - Vec3::X * 0.1).length() < 1e-5, "{found:?}");
+    assert!(found.verified && found.optimal);
+    assert!((weighted_mean(&pairs) - Vec3::X * 0.1).length() < 1e-6);
+}
+
+#[test]
+fn apart_needs_nothing() {
+    let a = [slab(Vec3::ONE, Vec3::new(2.1, 0.0, 0.0))];
+    let b = [slab(Vec3::ONE, Vec3::ZERO)];
+    let pairs = all_pairs(&a, &b);
+    let found = solve(&pairs, NODES_USUAL);
+    assert_eq!(found.offset, Vec3::ZERO);
+    assert!(found.verified && found.optimal);
+    assert_eq!(weighted_mean(&pairs), Vec3::ZERO);
+    let found = solve(&[], NODES_USUAL);
+    assert_eq!((found.offset, found.verified), (Vec3::ZERO, true));
+}
+
+#[test]
+fn floor_and_wall() {
+    let a = [slab(Vec3::splat(0.1), Vec3::new(0.09, 0.09, 0.0))];
+    let b = [
+        slab(Vec3::new(1.0, 0.5, 1.0), Vec3::new(0.0, -0.5, 0.0)),
+        slab(Vec3::new(0.5, 1.0, 1.0), Vec3::new(-0.5, 0.0, 0.0)),
+    ];
+    let pairs = all_pairs(&a, &b);
+    let found = solve(&pairs, NODES_USUAL);
+    assert!(
+        (found.offset - Vec3::new(0.01, 0.01, 0.0)).length() < 1e-6,
+        "{found:?}"
+    );
+    assert!(found.verified && found.optimal);
+    let mean = weighted_mean(&pairs);
+    assert!(
+        (mean - Vec3::new(0.005, 0.005, 0.0)).length() < 1e-6,
+        "{mean}"
+    );
+}
+
+#[test]
+fn slot_is_left_by_its_mouth() {
+    // Slot of width w open at the top; block of width w + 2 d, its bottom h below the rim.
+    let (w, d, h) = (0.1, 0.004, 0.02);
+    let wall = |side: f32| {
+        slab(
+            Vec3::new(0.2, 0.5, 0.5),
+            Vec3::new(side * (0.2 + w / 2.0), -0.5, 0.0),
+        )
+    };
+    let b = [wall(-1.0), wall(1.0)];
+    let half = Vec3::new(w / 2.0 + d, 0.1, 0.1);
+    let a = [slab(half, Vec3::new(0.0, 0.1 - h, 0.0))];
+    let pairs = all_pairs(&a, &b);
+    for nodes in [0, NODES_USUAL] {
+        let found = solve(&pairs, nodes);
+        assert!((found.offset - Vec3::Y * h).length() < 1e-6, "{found:?}");
+        assert!(found.verified);
+    }
+    assert!(weighted_mean(&pairs).length() < 1e-7);
+}
+
+#[test]
+fn pairs_not_yet_overlapping_are_respected() {
+    // The shortest way out of the floor's side leads into a wall that is not touched yet.
+    let a = [slab(Vec3::splat(0.1), Vec3::new(0.0, 0.05, 0.0))];
+    let b = [
+        slab(Vec3::new(1.0, 0.5, 1.0), Vec3::new(0.0, -0.5, 0.0)),
+        slab(Vec3::new(1.0, 0.5, 1.0), Vec3::new(0.0, 0.68, 0.0)),
+    ];
+    let pairs = all_pairs(&a, &b);
+    let alone = solve(&pairs[..1], NODES_USUAL);
+    assert!((alone.offset - Vec3::Y * 0.05).length() < 1e-6);
+    assert!(overlap_left(&pairs, alone.offset) > 0.01);
+    let found = solve(&pairs, NODES_USUAL);
+    assert!(overlap_left(&pairs, found.offset) < 1e-6 && found.verified);
+    assert!(found.offset.length() > 1.0, "{found:?}");
+}
+
+#[test]
+fn resting_contact_does_not_block_a_sideways_exit() {
+    let mut random = Random(5);
+    for _ in 0..50 {
+        let turn = random.turn();
+        let place = |x: f32, y: f32| Pose::new(turn, turn * Vec3::new(x, y, 0.0));
+        let a = [(cuboid(Vec3::splat(0.1)), place(0.095, 0.1))];
+        let b = [
+            (cuboid(Vec3::new(1.0, 0.5, 1.0)), place(0.0, -0.5)),
+            (cuboid(Vec3::new(0.5, 1.0, 1.0)), place(-0.5, 0.0)),
+        ];
+        let found = solve(&all_pairs(&a, &b), NODES_USUAL);
+        assert!((found.offset.length() - 0.005).abs() < 2e-6, "{found:?}");
+    }
+}
+
+#[test]
+fn clearance_is_left() {
+    let a = [slab(Vec3::ONE, Vec3::new(0.0, 1.9, 0.0))];
+    let b = [slab(Vec3::new(5.0, 1.0, 5.0), Vec3::ZERO)];
+    let pairs = all_pairs(&a, &b);
+    let found = least_translation(&pairs, 0.01, NODES_USUAL, &mut UnionScratch::new());
+    assert!((found.offset - Vec3::Y * 0.11).length() < 1e-5);
+}
+
+#[test]
+fn rounded_pieces_leave_by_their_surfaces() {
+    let ball = |x: f32, radius: f32| (Hull::new(&[Vec3::ZERO], radius), Pose::at(x, 0.3, 0.0));
+    let pairs_of = |a: &[Placed], b: &[Placed]| solve(&all_pairs(a, b), NODES_USUAL);
+    let found = pairs_of(&[ball(0.15, 0.1)], &[ball(0.0, 0.1)]);
+    assert!((found.offset - Vec3::X * 0.05).length() < 1e-5, "{found:?}");
+    let capsule = Hull::new(&[Vec3::NEG_Z, Vec3::Z], 0.1);
+    let found = pairs_of(&[(capsule, Pose::at(0.15, 0.3, 0.1))], &[ball(0.0, 0.1)]);
+    assert!((found.offset - Vec3::X * 0.05).length() < 1e-5, "{found:?}");
+    let found = pairs_of(
+        &[ball(0.0, 0.1)],
+        &[slab(Vec3::ONE, Vec3::new(0.0, -0.75, 0.0))],
+    );
+    assert!((found.offset - Vec3::Y * 0.05).length() < 1e-5, "{found:?}");
+}
+
+fn random_union(random: &mut Random, count: usize, spread: f64) -> Vec<Placed> {
+    (0..count)
+        .map(|number| {
+            let half = Vec3::from_array(std::array::from_fn(|_| random.between(0.1, 0.4) as f32));
+            let mut hull = match number % 2 {
+                0 => cuboid(half),
+                _ => blob(random, 12, half),
+            };
+            hull.radius = [0.0, 0.02][random.bits() as usize % 2];
+            let at = (random.unit() * random.between(0.0, spread)).as_vec3();
+            (hull, Pose::new(random.turn(), at))
+        })
+        .collect()
+}
+
+#[test]
+fn random_unions_are_parted_and_never_worse_than_the_sweep() {
+    let mut random = Random(31);
+    let (mut parted_by_mean, mut cases, mut optimal) = (0, 0, 0);
+    for _ in 0..150 {
+        let counts = (
+            1 + random.bits() as usize % 3,
+            1 + random.bits() as usize % 5,
+        );
+        let a = random_union(&mut random, counts.0, 0.4);
+        let b = random_union(&mut random, counts.1, 0.8);
+        let pairs = all_pairs(&a, &b);
+        let sweep = solve(&pairs, 0);
+        let found = solve(&pairs, NODES_USUAL);
+        assert!(found.verified && sweep.verified);
+        assert!(found.nodes <= NODES_USUAL && sweep.nodes == 0);
+        for answer in [sweep, found] {
+            let left = overlap_left(&pairs, answer.offset);
+            assert!(left <= 3e-6, "{left} {answer:?}");
+        }
+        assert!(found.offset.length() <= sweep.offset.length());
+        assert_eq!(found.sweep_m, sweep.offset.length());
+        if overlap_left(&pairs, Vec3::ZERO) > 0.0 {
+            cases += 1;
+            optimal += usize::from(found.optimal);
+            parted_by_mean += usize::from(overlap_left(&pairs, weighted_mean(&pairs)) <= 1e-6);
+        }
+    }
+    assert!(
+        cases > 100 && optimal * 10 > cases * 5,
+        "{optimal} of {cases}"
+    );
+    // Equation 1 must fail in some of these, or the test says nothing about unions.
+    assert!(
+        parted_by_mean * 10 < cases * 9,
+        "{parted_by_mean} of {cases}"
+    );
+}
+
+#[test]
+fn nothing_shorter_than_an_optimum_parts() {
+    let mut random = Random(32);
+    let mut checked = 0;
+    for _ in 0..60 {
+        let a = random_union(&mut random, 2, 0.3);
+        let mut b = random_union(&mut random, 3, 0.6);
+        // Corners of rounded differences are where the half-spaces are longer than the truth.
+        b.iter_mut().for_each(|placed| placed.0.radius = 0.0);
+        let mut a = a;
+        a.iter_mut().for_each(|placed| placed.0.radius = 0.0);
+        let pairs = all_pairs(&a, &b);
+        let found = solve(&pairs, NODES_USUAL);
+        if !found.optimal || found.offset == Vec3::ZERO {
+            continue;
+        }
+        checked += 1;
+        let shorter = found.offset.length() * 0.999 - 1e-5;
+        for number in 0..300 {
+            let along = match number {
+                0 => found.offset.normalize(),
+                _ => random.unit().as_vec3(),
+            };
+            assert!(
+                overlap_left(&pairs, along * shorter) > 0.0,
+                "{found:?} {along}"
+            );
+        }
+    }
+    assert!(checked > 20, "{checked}");
+}
+
+#[test]
+fn more_nodes_never_hurt_and_usually_do_not_help() {
+    let mut random = Random(33);
+    let (mut close, mut cases) = (0, 0);
+    for _ in 0..80 {
+        let a = random_union(&mut random, 2, 0.3);
+        let b = random_union(&mut random, 4, 0.6);
+        let pairs = all_pairs(&a, &b);
+        let usual = solve(&pairs, NODES_USUAL).offset.length();
+        let many = solve(&pairs, 20_000).offset.length();
+        assert!(many <= usual * 1.000_01);
+        cases += 1;
+        close += usize::from(usual <= many * 1.05 + 1e-6);
+    }
+    assert!(close * 100 >= cases * 95, "{close} of {cases}");
+}
+
+#[test]
+fn too_many_pairs_are_not_called_verified() {
+    let a = [slab(Vec3::ONE, Vec3::new(1.9, 0.0, 0.0))];
+    let b = [slab(Vec3::ONE, Vec3::ZERO)];
+    let one = all_pairs(&a, &b)[0];
+    assert!(solve(&[one; 64], NODES_USUAL).verified);
+    let found = solve(&[one; 65], NODES_USUAL);
+    assert!(!found.verified && !found.optimal);
+}
+
+/// Hulls and random numbers.
+mod shapes {
+    use glam::{DQuat, DVec3, Quat, Vec3};
+    use palpable::geometry::convex::{Convex, Edge, Face, Lane};
+    use palpable::geometry::hull::HullBuilder;
+
+    /// A convex piece that owns its parts.
+    pub struct Hull {
+        points: Vec<Vec3>,
+        faces: Vec<Face>,
+        edges: Vec<Edge>,
+        loops: Vec<u16>,
+        pub radius: f32,
+        lanes: Vec<Lane>,
+        centre: Vec3,
+        half_extents: Vec3,
+    }
+
+    impl Hull {
+        pub fn new(points: &[Vec3], radius: f32) -> Self {
+            let mut builder = Box::new(HullBuilder::new());
+            let view = match *points {
+                [centre] => builder.sphere(centre),
+                [start, end] => builder.capsule(start, end),
+                _ => {
+                    let points: Vec<[f32; 3]> = points.iter().map(Vec3::to_array).collect();
+                    builder.build(&points)
+                }
+            };
+            let piece = view.expect("points with volume").convex(radius);
+            Self {
+                points: (0..piece.vertex_count)
+                    .map(|index| piece.vertex(index))
+                    .collect(),
+                faces: piece.faces.to_vec(),
+                edges: piece.edges.to_vec(),
+                loops: piece.loops.to_vec(),
+                radius,
+                lanes: piece.lanes.to_vec(),
+                centre: piece.centre,
+                half_extents: piece.half_extents,
+            }
+        }
+
+        pub fn view(&self) -> Convex<'_> {
+            Convex {
+                lanes: &self.lanes,
+                vertex_count: self.points.len(),
+                faces: &self.faces,
+                edges: &self.edges,
+                loops: &self.loops,
+                radius: self.radius,
+                centre: self.centre,
+                half_extents: self.half_extents,
+            }
+        }
+    }
+
+    /// A box with the given half extents about the origin.
+    pub fn cuboid(half: Vec3) -> Hull {
+        let points: Vec<Vec3> = (0..8)
+            .map(|i| {
+                let sign = |bit: usize| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
+                half * Vec3::new(sign(0), sign(1), sign(2))
+            })
+            .collect();
+        Hull::new(&points, 0.0)
+    }
+
+    /// `count` points on an ellipsoid, as a hull.
+    pub fn blob(random: &mut Random, count: usize, half: Vec3) -> Hull {
+        let points: Vec<Vec3> = (0..count)
+            .map(|_| (random.unit() * half.as_dvec3()).as_vec3())
+            .collect();
+        Hull::new(&points, 0.0)
+    }
+
+    /// A generator of repeatable numbers (SplitMix64).
+    pub struct Random(pub u64);
+
+    impl Random {
+        pub fn bits(&mut self) -> u64 {
+            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            z ^ (z >> 31)
+        }
+
+        /// In [0, 1).
+        pub fn next(&mut self) -> f64 {
+            (self.bits() >> 11) as f64 / (1u64 << 53) as f64
+        }
+
+        pub fn between(&mut self, low: f64, high: f64) -> f64 {
+            low + (high - low) * self.next()
+        }
+
+        pub fn unit(&mut self) -> DVec3 {
+            loop {
+                let v = DVec3::new(
+                    self.between(-1., 1.),
+                    self.between(-1., 1.),
+                    self.between(-1., 1.),
+                );
+                if v.length() > 0.1 && v.length() < 1.0 {
+                    return v.normalize();
+                }
+            }
+        }
+
+        pub fn turn(&mut self) -> Quat {
+            let angle = self.between(0.0, std::f64::consts::TAU);
+            DQuat::from_axis_angle(self.unit(), angle).as_quat()
+        }
+    }
+}
