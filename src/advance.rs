@@ -12,13 +12,16 @@ mod sweep;
 
 use glam::Vec3;
 
+use crate::contacts;
 use crate::frame::FrameReport;
 use crate::geometry::motion::{Track, interpolate};
-use crate::limits::{ADVANCE_UNITS_MAX, GAP_TOUCHING_M, LEGS_MAX, PAIR_MARGIN_M, STILL_M};
+use crate::limits::{
+    ADVANCE_UNITS_MAX, GAP_TOUCHING_M, LEGS_MAX, PAIR_MARGIN_M, ROUNDS_MAX, STILL_M,
+};
 use crate::math::{self, Pose};
 use crate::pairs::{self, BodyTrack, PairsFull};
 use crate::state::State;
-use crate::state::bodies::{BodyKind, DrivenReport, Leg};
+use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, Leg};
 use crate::state::pieces::PiecesOf;
 
 /// Where a driven body is on its way through the frame.
@@ -85,6 +88,29 @@ fn frame_flags(flags: u32) -> u32 {
         | says(DrivenReport::OVERLAPS, FrameReport::OVERLAP)
 }
 
+/// Puts a detached body at its tracker when its coupling says so and nothing is in the way there.
+fn snap(state: &mut State, body: usize, purse: &mut Purse) -> Option<u32> {
+    let coupling = state.bodies.coupling[body];
+    let away = math::length(state.bodies.displacement[body].offset);
+    if coupling.snap != Coupling::SNAP_WHEN_FREE || away <= coupling.divergence_m {
+        return None;
+    }
+    let target = Position {
+        root: state.bodies.tracker[body].target,
+        local: 1.0,
+    };
+    let count = pairs::collect_driven(state, body, &track(&target, &target)).ok()?;
+    let measured = sweep::measure_touching(state, count, &target, purse);
+    let free = measured && !sweep::touches_any(state, count) && !pairs::loose_near(state, body);
+    if !free {
+        return None;
+    }
+    state.bodies.displacement[body] = Displacement::default();
+    state.legs.wanted[body] = target.root;
+    push_leg(state, body, &target, &target, 1.0);
+    Some(0)
+}
+
 /// Plans and walks the legs of one body's way; the flags to report.
 fn advance(state: &mut State, body: usize, purse: &mut Purse) -> u32 {
     let start = Position {
@@ -97,6 +123,9 @@ fn advance(state: &mut State, body: usize, purse: &mut Purse) -> u32 {
     };
     if start.root == wanted.root && locals_rest(state, body) {
         return 0;
+    }
+    if let Some(flags) = snap(state, body, purse) {
+        return flags;
     }
     match walk(state, body, start, wanted, purse) {
         Ok(flags) => flags,
@@ -122,16 +151,32 @@ fn walk(
 ) -> Result<u32, PairsFull> {
     let mut at = start;
     let mut count = pairs::collect_driven(state, body, &track(&at, &wanted))?;
+    if count == 0 {
+        push_leg(state, body, &start, &wanted, 1.0);
+        return Ok(0);
+    }
     let mut covered = Cover::between(&at, &wanted);
     let mut flags = 0;
     let mut keep_turn = false;
-    for _ in 0..LEGS_MAX {
+    let mut rounds = 0;
+    let measured = sweep::measure_touching(state, count, &at, purse);
+    if measured && sweep::overlaps(state, count) {
+        flags |= DrivenReport::OVERLAPS;
+        if let Some(out) = contacts::way_out(state, count, &at.root, purse) {
+            let goal = Position {
+                root: out,
+                local: at.local,
+            };
+            at = push_leg(state, body, &at, &goal, 1.0);
+            count = pairs::collect_driven(state, body, &track(&at, &wanted))?;
+            covered = Cover::between(&at, &wanted);
+        }
+    }
+    while (state.legs.count[body] as usize) < LEGS_MAX && rounds < ROUNDS_MAX {
+        rounds += 1;
         if !sweep::measure_touching(state, count, &at, purse) {
             flags |= DrivenReport::CUT;
             break;
-        }
-        if sweep::overlaps(state, count) {
-            flags |= DrivenReport::OVERLAPS;
         }
         sweep::mark_touching(state, count);
         let plan = slide::plan(state, count, &at, &wanted, keep_turn);

@@ -13,6 +13,7 @@ use crate::math::{self, Pose};
 use crate::memory::ids::is_alive;
 use crate::state::State;
 use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, Tracker};
+use crate::state::pieces::Bounds;
 
 /// The spring's exact map over one time step: (x, v) -> (xx x + xv v, vx x + vv v).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +88,7 @@ fn couple(state: &mut State, body: usize, dt_s: f32) {
     state.legs.count[body] = 0;
     state.legs.local_share[body] = 0.0;
     state.legs.stop_time[body] = 1.0;
+    state.legs.whole[body] = Bounds::EMPTY;
     let coupling = bodies.coupling[body];
     let tracker = &mut bodies.tracker[body];
     bodies.report[body] = DrivenReport {

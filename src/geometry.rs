@@ -13,6 +13,7 @@ pub mod penetration;
 pub mod separation;
 
 pub mod manifold;
+pub mod union;
 
 pub mod motion;
 pub mod time_of_contact;

@@ -7,6 +7,7 @@
 //! a driven body, the driven body stops at that time.
 
 mod movers;
+mod patch;
 mod queue;
 mod solve;
 mod sweep;
@@ -82,6 +83,7 @@ fn event(
 ) -> Option<f32> {
     let count = sweep::collect(state, stretch)?;
     let constraints = solve::gather(state, count, stretch, purse, report)?;
+    report.impulses += patch::run(state, constraints);
     report.impulses += queue::run(state, constraints, purse);
     solve::record(state, constraints, report);
     let count = sweep::collect(state, stretch)?;

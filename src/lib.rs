@@ -9,6 +9,7 @@ pub mod memory;
 pub mod state;
 
 mod advance;
+mod contacts;
 pub mod couple;
 mod impulses;
 mod pairs;

@@ -90,6 +90,10 @@ const _: () = assert!(STEP_MIN_M < STILL_M && STILL_M < GAP_REST_M - GAP_FLOOR_M
 /// its corners in few steps, too narrow to be seen.
 pub const LOOSE_REST_M: f32 = 2.5 * OVERLAP_SLOP_M;
 
+/// Loose contacts whose gap is at most this much above the rest gap carry weight like those at it,
+/// in metres.
+pub const LOOSE_BAND_M: f32 = 0.5 * OVERLAP_SLOP_M;
+
 /// Pairs of loose bodies closer than this get a velocity constraint, in metres.
 pub const LOOSE_MARGIN_M: f32 = 20.0 * OVERLAP_SLOP_M;
 
@@ -97,8 +101,9 @@ pub const LOOSE_MARGIN_M: f32 = 20.0 * OVERLAP_SLOP_M;
 /// through by then stop at their last safe time.
 pub const EVENTS_MAX: u32 = 32;
 
-/// Most impulses on one contact within one event.
-pub const IMPULSES_PER_CONTACT_MAX: u32 = 4;
+/// Most impulses on one contact within one event. More were seen to gain little: contacts of a small
+/// patch, where single impulses converge slowly, are brought to rest together.
+pub const IMPULSES_PER_CONTACT_MAX: u32 = 8;
 
 /// Events in a row that may bring nobody forward before somebody is stopped.
 pub const STALLS_MAX: u32 = 2;
@@ -118,4 +123,10 @@ pub const SLEEP_S: f32 = 0.5;
 /// Share of a loose contact's missing gap that is restored each frame.
 pub const GAP_RESTORED: f32 = 0.2;
 
+/// Most speed that restoring a gap may add, in m/s: overlap that the host made goes away gently.
+pub const RESTORING_SPEED_MAX: f32 = 0.05;
+
 const _: () = assert!(GAP_REST_M < LOOSE_REST_M && LOOSE_REST_M < LOOSE_MARGIN_M);
+
+/// Most plans of one driven body's way through one frame; those that gain nothing add no leg.
+pub const ROUNDS_MAX: u32 = 2 * LEGS_MAX as u32;

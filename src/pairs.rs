@@ -4,9 +4,11 @@
 //! does not care about coherence. A mover's own box is tested first, so that a hand in free air
 //! costs one pass over the pieces' boxes.
 
+use core::ops::Range;
+
 use crate::geometry::motion::{Motion, Track};
 use crate::limits::PAIR_MARGIN_M;
-use crate::math::Pose;
+use crate::math::{self, Pose};
 use crate::memory::ids::is_alive;
 use crate::state::State;
 use crate::state::bodies::BodyKind;
@@ -40,14 +42,13 @@ impl BodyTrack {
 pub(crate) fn piece_motion(state: &State, piece: usize, track: &BodyTrack) -> Motion {
     let pieces = &state.pieces;
     let shape = &state.pieces.shape[piece];
-    let reach = crate::math::length(shape.centre.abs() + shape.half_extents);
     let local = Track {
         from: pieces.local[piece],
         to: pieces.local_target[piece],
         start: track.local_from,
         end: track.local_to,
     };
-    Motion::new(track.root, local, reach)
+    Motion::new(track.root, local, shape.core_reach())
 }
 
 /// A box around a piece's whole way.
@@ -58,6 +59,25 @@ pub(crate) fn swept_bounds(state: &State, piece: usize, motion: &Motion) -> Boun
         .grown(motion.bulge_m())
 }
 
+/// A box around everything a driven body can touch on a way, from its reach about its root alone.
+fn whole_bounds(state: &State, body: usize, track: &BodyTrack) -> Bounds {
+    let pieces = &state.pieces;
+    let mut reach = 0.0;
+    for piece in PiecesOf::new(pieces.next, state.bodies.first_piece[body]) {
+        let arm = math::max(
+            pieces.local[piece].translation().length_squared(),
+            pieces.local_target[piece].translation().length_squared(),
+        );
+        reach = math::max(reach, math::sqrt(arm) + pieces.shape[piece].reach);
+    }
+    let (from, to) = (track.root.from.translation(), track.root.to.translation());
+    Bounds {
+        low: math::min_each(from, to),
+        high: math::max_each(from, to),
+    }
+    .grown(reach + PAIR_MARGIN_M)
+}
+
 /// Writes the pairs of a driven body that moves so with fixed pieces; how many there are.
 ///
 /// Cost: a pass over all pieces' boxes, and one for each piece of the body when anything is near.
@@ -66,34 +86,21 @@ pub(crate) fn collect_driven(
     body: usize,
     track: &BodyTrack,
 ) -> Result<usize, PairsFull> {
-    let slots = state.registers.piece_slots as usize;
-    let mut whole = Bounds::EMPTY;
-    let first = state.bodies.first_piece[body];
-    for piece in PiecesOf::new(state.pieces.next, first) {
-        let motion = piece_motion(state, piece, track);
-        whole = whole.union(swept_bounds(state, piece, &motion));
-    }
-    let whole = whole.grown(PAIR_MARGIN_M);
-    let fixed = BodyKind::Fixed.code();
-    let near = |state: &State, other: usize, bounds: &Bounds| {
-        state.pieces.body_kind[other] == fixed && state.pieces.bounds[other].overlaps(bounds)
-    };
-    let mut low = slots;
-    let mut high = 0;
-    for other in 0..slots {
-        if near(state, other, &whole) {
-            low = low.min(other);
-            high = other + 1;
-        }
-    }
+    let whole = whole_bounds(state, body, track);
+    state.legs.whole[body] = state.legs.whole[body].union(whole);
+    let near = fixed_near(state, &whole);
     let mut count = 0;
-    let mut current = if low < high { first } else { 0 };
+    let mut current = if near.is_empty() {
+        0
+    } else {
+        state.bodies.first_piece[body]
+    };
     while current != 0 {
         let piece = current as usize - 1;
         let motion = piece_motion(state, piece, track);
         let bounds = swept_bounds(state, piece, &motion).grown(PAIR_MARGIN_M);
-        for other in low..high {
-            if near(state, other, &bounds) {
+        for other in near.clone() {
+            if is_fixed_near(state, other, &bounds) {
                 push(state, &mut count, piece, other)?;
             }
         }
@@ -102,6 +109,31 @@ pub(crate) fn collect_driven(
     Ok(count)
 }
 
+fn is_fixed_near(state: &State, piece: usize, bounds: &Bounds) -> bool {
+    state.pieces.body_kind[piece] == BodyKind::Fixed.code()
+        && state.pieces.bounds[piece].overlaps(bounds)
+}
+
+/// The range of slots that holds all fixed pieces near a box.
+fn fixed_near(state: &State, bounds: &Bounds) -> Range<usize> {
+    let mut slots = 0..state.registers.piece_slots as usize;
+    let is_near = |&piece: &usize| is_fixed_near(state, piece, bounds);
+    match slots.clone().find(is_near) {
+        Some(low) => low..slots.rfind(is_near).map_or(low, |high| high + 1),
+        None => 0..0,
+    }
+}
+
+/// Whether a piece of a dynamic body is near the box around a driven body's way.
+pub(crate) fn loose_near(state: &State, body: usize) -> bool {
+    let whole = state.legs.whole[body];
+    (0..state.registers.piece_slots as usize).any(|piece| {
+        state.pieces.body_kind[piece] == BodyKind::Dynamic.code()
+            && state.pieces.bounds[piece].overlaps(&whole)
+    })
+}
+
+/// Adds a pair of which nothing is known yet.
 pub(crate) fn push(
     state: &mut State,
     count: &mut usize,

@@ -2,10 +2,12 @@
 //! reading what came out.
 
 mod bodies;
+mod hands;
 mod pieces;
 mod snapshot;
 
 pub use bodies::{AddBodyError, BodyDef, BodyError};
+pub use hands::{JointInput, JointUse, SetJointsError};
 pub use pieces::{AddPieceError, PieceDef, Shape};
 
 use glam::Vec3;

@@ -117,6 +117,17 @@ fn tilted_box_touches_along_an_edge() {
     for contact in &found {
         assert!((contact.gap + 0.01).abs() < 1e-6 && (contact.point.z.abs() - 1.0).abs() < 1e-6);
     }
+    // With the floor as A the face that the normal belongs to is A's.
+    let back = contacts(&floor, &cube, &Pose::IDENTITY.seen_from(&pose), 0.005);
+    assert_eq!(back.len(), 2, "{back:?}");
+    let returned: Vec<Vec3> = back.iter().map(|c| pose.point(c.point)).collect();
+    for contact in &found {
+        assert!(
+            returned
+                .iter()
+                .any(|p| (*p - contact.point).length() < 1e-6)
+        );
+    }
 }
 
 #[test]

@@ -95,6 +95,13 @@ pub(super) fn overlaps(state: &State, pairs: usize) -> bool {
         .any(|pair| pair.measured == 1 && pair.gap < 0.0)
 }
 
+/// Whether a measured pair is in contact.
+pub(super) fn touches_any(state: &State, pairs: usize) -> bool {
+    state.pairs.list[..pairs]
+        .iter()
+        .any(|pair| pair.measured == 1 && touches(pair.gap))
+}
+
 /// Advances until a pair blocks the way, all are clear to the end, or the budget runs out.
 ///
 /// Always takes the pair that is certified for the shortest time and certifies it further, so that

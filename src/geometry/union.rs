@@ -35,7 +35,8 @@ const _: () = assert!(PAIR_HALF_SPACES_MAX > 2 * FIXED_NORMALS);
 /// Most nodes of the branch and bound that wait at one time; those of least length win.
 pub const NODES_WAITING_MAX: usize = 256;
 
-/// The branch and bound's usual budget: optimal or within 5 % in trials with up to 8 pairs.
+/// The branch and bound's usual budget: within 5 % of the best known in 98 % of trials with 2 x 4 boxes or
+/// hulls, 8.4 % away in the worst.
 pub const NODES_USUAL: u32 = 64;
 
 /// Half-spaces that one node remembers; the last three always decide its point.

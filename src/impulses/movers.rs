@@ -73,13 +73,8 @@ fn dynamic_motion(state: &State, piece: usize, body: usize, stretch: &Stretch) -
     Motion::new(
         Track::between(from, to),
         Track::still(in_centre),
-        core_reach(state, piece),
+        state.pieces.shape[piece].core_reach(),
     )
-}
-
-fn core_reach(state: &State, piece: usize) -> f32 {
-    let shape = &state.pieces.shape[piece];
-    math::length(shape.centre.abs() + shape.half_extents)
 }
 
 /// The part of a driven body's way that lies in a stretch, which does not cross the end of a leg.
@@ -187,6 +182,9 @@ pub(super) fn is_disturbed(state: &State, body: usize, dt_s: f32) -> bool {
         own = own.union(state.pieces.bounds[piece]);
     }
     let own = own.grown(LOOSE_MARGIN_M);
+    if driven_near(state, &own) {
+        return true;
+    }
     for piece in 0..state.registers.piece_slots as usize {
         let other = state.pieces.body[piece] as usize;
         if other != body && disturbs(state, piece, other, &own, &whole) {
@@ -198,33 +196,17 @@ pub(super) fn is_disturbed(state: &State, body: usize, dt_s: f32) -> bool {
 
 fn disturbs(state: &State, piece: usize, other: usize, near: &Bounds, whole: &Stretch) -> bool {
     let kind = state.pieces.body_kind[piece];
-    let driven = kind == BodyKind::Driven.code() && state.legs.count[other] > 0;
     let awake = kind == BodyKind::Dynamic.code() && state.bodies.momentum[other].asleep == 0;
-    if driven {
-        let bounds = driven_bounds(state, piece, other);
-        return bounds.overlaps(near);
-    }
     awake && super::sweep::swept_bounds(state, piece, whole).overlaps(near)
 }
 
-/// A box around a driven piece's whole way through the frame.
-fn driven_bounds(state: &State, piece: usize, body: usize) -> Bounds {
-    let mut bounds = state.pieces.bounds[piece];
-    for leg in state.legs.of(body) {
-        let track = BodyTrack {
-            root: Track {
-                from: leg.from,
-                to: leg.to,
-                start: 0.0,
-                end: leg.reached,
-            },
-            local_from: leg.local_from,
-            local_to: leg.local_from + (leg.local_to - leg.local_from) * leg.reached,
-        };
-        let motion = pairs::piece_motion(state, piece, &track);
-        bounds = bounds.union(pairs::swept_bounds(state, piece, &motion));
-    }
-    bounds
+/// Whether a driven body that moves this frame comes near a box.
+fn driven_near(state: &State, near: &Bounds) -> bool {
+    (0..state.registers.body_slots as usize).any(|body| {
+        is_body_of(state, body, BodyKind::Driven)
+            && state.legs.count[body] > 0
+            && state.legs.whole[body].overlaps(near)
+    })
 }
 
 /// The farthest that a body's surface is from its centre of mass, in metres.
@@ -233,8 +215,7 @@ pub(super) fn reach_m(state: &State, body: usize) -> f32 {
     let mut reach = 0.0;
     for piece in PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]) {
         let arm = math::length(state.pieces.local[piece].translation() - centre);
-        let radius = state.pieces.shape[piece].radius;
-        reach = math::max(reach, arm + core_reach(state, piece) + radius);
+        reach = math::max(reach, arm + state.pieces.shape[piece].reach);
     }
     reach
 }

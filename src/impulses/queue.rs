@@ -1,9 +1,10 @@
-//! The order of impulses: the contact that approaches fastest first, ties by index.
+//! The order of impulses: the contact whose normal velocity is most wrong first, ties by index.
 
 use super::solve::{push, relative_velocity};
 use crate::advance::Purse;
 use crate::limits::{APPROACH_MIN, IMPULSES_PER_CONTACT_MAX};
 use crate::state::State;
+use glam::Vec3;
 
 /// Applies impulses until no contact approaches, all have had their share, or the units run out;
 /// how many were applied.
@@ -21,7 +22,8 @@ pub(super) fn run(state: &mut State, constraints: usize, purse: &mut Purse) -> u
     applied
 }
 
-/// The contact farthest below its target velocity, among those that may still be pushed.
+/// The contact farthest from its target velocity, among those that may still be pushed: below it, or
+/// above it with an impulse to give back.
 fn worst(state: &State, constraints: usize) -> Option<usize> {
     let mut worst = None;
     let mut largest = APPROACH_MIN;
@@ -32,8 +34,10 @@ fn worst(state: &State, constraints: usize) -> Option<usize> {
         }
         let velocity = relative_velocity(state, constraint).dot(constraint.normal);
         let missing = constraint.target - velocity;
-        if missing > largest {
-            largest = missing;
+        let pushed = constraint.impulse != Vec3::ZERO;
+        let error = if pushed { missing.abs() } else { missing };
+        if error > largest {
+            largest = error;
             worst = Some(index);
         }
     }

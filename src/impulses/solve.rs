@@ -9,7 +9,10 @@ use crate::advance::Purse;
 use crate::frame::FrameReport;
 use crate::geometry::manifold::{Contact, manifold};
 use crate::geometry::separation::core_gap;
-use crate::limits::{BOUNCE_MIN, GAP_RESTORED, LOOSE_MARGIN_M, LOOSE_REST_M};
+use crate::limits::{
+    BOUNCE_MIN, GAP_FLOOR_M, GAP_RESTORED, LOOSE_BAND_M, LOOSE_MARGIN_M, LOOSE_REST_M,
+    RESTORING_SPEED_MAX,
+};
 use crate::math;
 use crate::state::State;
 use crate::state::bodies::BodyKind;
@@ -82,7 +85,7 @@ fn constraint(
         target: 0.0,
         restitution: surface.restitution,
         friction: surface.friction,
-        normal_impulse: 0.0,
+        impulse: Vec3::ZERO,
     };
     made.target = target(state, &made, stretch);
     made
@@ -90,7 +93,8 @@ fn constraint(
 
 /// The least normal velocity that a contact must have.
 ///
-/// Slow approach: the gap may close to the rest gap by the end of the stretch, no further. Fast
+/// Slow approach: the gap may close to the rest gap by the end of the stretch, no further, and gaps
+/// within a band above it count as closed: otherwise a body rocks from corner to corner for ever. Fast
 /// approach: nothing until the surfaces meet, then Newton's restitution.
 fn target(state: &State, constraint: &Constraint, stretch: &Stretch) -> f32 {
     let normal_velocity = relative_velocity(state, constraint).dot(constraint.normal);
@@ -98,25 +102,30 @@ fn target(state: &State, constraint: &Constraint, stretch: &Stretch) -> f32 {
     let fall = 2.0 * math::length(state.registers.gravity) * stretch.dt_s;
     let bounces = -normal_velocity > math::max(fall, BOUNCE_MIN);
     let spare = constraint.gap - LOOSE_REST_M;
-    if spare < 0.0 {
-        let restored = math::min(-spare * GAP_RESTORED / seconds, 0.05);
+    if spare < LOOSE_BAND_M {
         let bounced = if bounces {
             -normal_velocity * constraint.restitution
         } else {
             0.0
         };
-        // Between half the rest gap and all of it nothing is restored: rest would never come.
-        let restored = if spare > -0.5 * LOOSE_REST_M {
-            0.0
-        } else {
-            restored
-        };
-        math::max(bounced, restored)
+        math::max(bounced, restoring(constraint.gap, seconds))
     } else if bounces {
         f32::NEG_INFINITY
     } else {
         -spare / seconds
     }
+}
+
+/// The speed that gives a contact back some of its rest gap. It feeds energy in, so it waits until
+/// the gap is nearly gone.
+fn restoring(gap: f32, seconds: f32) -> f32 {
+    if gap > 2.0 * GAP_FLOOR_M {
+        return 0.0;
+    }
+    math::min(
+        (LOOSE_REST_M - gap) * GAP_RESTORED / seconds,
+        RESTORING_SPEED_MAX,
+    )
 }
 
 /// Velocity of A's surface relative to B's at a contact, in m/s.
@@ -153,36 +162,43 @@ fn mobility(state: &State, body: usize, point: Vec3) -> Mat3 {
     Mat3::from_diagonal(Vec3::splat(mass.inverse_mass)) - cross * inertia * cross
 }
 
-/// Applies the impulse that brings a contact to its target; whether there was anything to push.
+/// Brings a contact to its target; whether that took an impulse.
 ///
-/// First the impulse that also stops all sliding, j = K^-1 (target n - v); where Coulomb's cone does
-/// not hold it, the impulse on the cone against the slip that reaches the target (the paper's
-/// equation 10 alone reverses slip and can create energy).
+/// What is solved for is the contact's whole impulse of this event, so that a contact that was pushed
+/// too hard gives some back. First the impulse that also stops all sliding, j + K^-1 (target n - v);
+/// where Coulomb's cone does not hold it, the impulse on the cone against the slip that reaches the
+/// target (the paper's equation 10 alone reverses slip and can create energy).
 pub(super) fn push(state: &mut State, index: usize) -> bool {
     let constraint = state.pairs.constraints[index];
     let (a, b) = (constraint.body_a as usize, constraint.body_b as usize);
     state.pairs.constraints[index].impulses += 1;
     let k = mobility(state, a, constraint.point) + mobility(state, b, constraint.point);
-    let Some(impulse) = impulse(&constraint, relative_velocity(state, &constraint), &k) else {
+    let Some(whole) = whole_impulse(&constraint, relative_velocity(state, &constraint), &k) else {
         return false;
     };
-    apply(state, a, constraint.point, impulse);
-    apply(state, b, constraint.point, -impulse);
-    state.pairs.constraints[index].normal_impulse += impulse.dot(constraint.normal);
+    let change = whole - constraint.impulse;
+    apply(state, a, constraint.point, change);
+    apply(state, b, constraint.point, -change);
+    state.pairs.constraints[index].impulse = whole;
     true
 }
 
-fn impulse(constraint: &Constraint, velocity: Vec3, k: &Mat3) -> Option<Vec3> {
+fn whole_impulse(constraint: &Constraint, velocity: Vec3, k: &Mat3) -> Option<Vec3> {
     let n = constraint.normal;
     let along = n.dot(*k * n);
     if along <= 0.0 {
         return None;
     }
-    let missing = constraint.target - velocity.dot(n);
+    // What the contact's normal velocity lacks when none of its impulse were there.
+    let missing = constraint.target - velocity.dot(n) + n.dot(*k * constraint.impulse);
+    if missing <= 0.0 {
+        return Some(Vec3::ZERO);
+    }
     let frictionless = n * (missing / along);
-    let sticking = inverse(k).map_or(frictionless, |inverse| {
-        inverse * (n * constraint.target - velocity)
-    });
+    let Some(inverse) = inverse(k) else {
+        return Some(frictionless);
+    };
+    let sticking = constraint.impulse + inverse * (n * constraint.target - velocity);
     let normal_part = sticking.dot(n);
     let slip_part = sticking - n * normal_part;
     let slip = math::length(slip_part);
@@ -223,7 +239,8 @@ fn apply(state: &mut State, body: usize, point: Vec3, impulse: Vec3) {
 pub(super) fn record(state: &mut State, constraints: usize, report: &mut FrameReport) {
     for index in 0..constraints {
         let made = state.pairs.constraints[index];
-        if made.normal_impulse <= 0.0 {
+        let normal_impulse = made.impulse.dot(made.normal);
+        if normal_impulse <= 0.0 {
             continue;
         }
         let pair = state.pairs.list[made.pair as usize];
@@ -233,7 +250,7 @@ pub(super) fn record(state: &mut State, constraints: usize, report: &mut FrameRe
             point: made.point.to_array(),
             normal: made.normal.to_array(),
             gap_m: made.gap,
-            impulse_n_s: made.normal_impulse,
+            impulse_n_s: normal_impulse,
         };
         if !crate::state::contacts::add(state, point) {
             report.set(FrameReport::FULL_CONTACTS);

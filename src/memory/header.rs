@@ -56,7 +56,16 @@ impl Header {
 
     /// Reads and judges the header at the start of `memory`, whatever its alignment.
     pub(crate) fn read(memory: &[u8]) -> Result<Self, AttachError> {
-        let bytes = memory
+        let header = Self::read_alone(memory)?;
+        if header.bytes > memory.len() as u64 {
+            return Err(AttachError::TooSmall);
+        }
+        Ok(header)
+    }
+
+    /// Reads and judges the header at the start of `bytes`, however short the rest is.
+    fn read_alone(bytes: &[u8]) -> Result<Self, AttachError> {
+        let bytes = bytes
             .get(..size_of::<Self>())
             .ok_or(AttachError::TooSmall)?;
         let header: Self = bytemuck::pod_read_unaligned(bytes);
@@ -67,15 +76,25 @@ impl Header {
             return Err(AttachError::OtherLayout);
         }
         let whole = header.checksum == header.expected_checksum()
+            && header.capacities.are_within_bounds()
             && header.bytes == header.capacities.bytes() as u64;
         if !whole {
             return Err(AttachError::Damaged);
         }
-        if header.bytes > memory.len() as u64 {
-            return Err(AttachError::TooSmall);
-        }
         Ok(header)
     }
+}
+
+/// Bytes at the start of a block that tell how long it is.
+pub const HEADER_BYTES: usize = size_of::<Header>();
+
+/// How many bytes the world takes whose block starts with these [`HEADER_BYTES`] bytes: for a host
+/// that keeps the block's address alone.
+///
+/// # Errors
+/// [`AttachError`] when the bytes start no world of this library, or a damaged one.
+pub fn block_bytes(header: &[u8]) -> Result<usize, AttachError> {
+    Header::read_alone(header).map(|header| header.bytes as usize)
 }
 
 /// Whether the block starts where a block may start.

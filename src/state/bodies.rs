@@ -6,6 +6,7 @@ use glam::{Mat3, Quat, Vec3};
 use crate::limits::LEGS_MAX;
 use crate::math::Pose;
 use crate::memory::columns::columns;
+use crate::state::pieces::Bounds;
 
 /// What moves a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -230,6 +231,8 @@ columns! {
         wanted: [Pose; capacities.bodies],
         /// Share of the way to the target local poses that the body has gone.
         local_share: [f32; capacities.bodies],
+        /// A box around everything the body can touch on its way.
+        whole: [Bounds; capacities.bodies],
         /// Share of the frame at which a loose object stopped the body; 1 when none did.
         stop_time: [f32; capacities.bodies],
     }

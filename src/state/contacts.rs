@@ -69,8 +69,8 @@ pub(crate) struct Constraint {
     pub target: f32,
     pub restitution: f32,
     pub friction: f32,
-    /// Impulses so far, in newton seconds.
-    pub normal_impulse: f32,
+    /// Impulse on A in this event, in newton seconds.
+    pub impulse: Vec3,
 }
 
 columns! {

@@ -22,6 +22,8 @@ pub(crate) struct Shape {
     pub first_loop: u32,
     pub loops: u32,
     pub radius: f32,
+    /// The farthest that the surface is from the piece's own origin, in metres.
+    pub reach: f32,
     pub centre: Vec3,
     pub half_extents: Vec3,
 }
@@ -195,6 +197,7 @@ impl Pools<'_> {
             first_loop: used.loops,
             loops: convex.loops.len() as u32,
             radius: convex.radius,
+            reach: convex.core_reach() + convex.radius,
             centre: convex.centre,
             half_extents: convex.half_extents,
         }
@@ -210,6 +213,11 @@ impl Pools<'_> {
 }
 
 impl Shape {
+    /// The farthest that the core is from the piece's own origin, in metres.
+    pub(crate) fn core_reach(&self) -> f32 {
+        self.reach - self.radius
+    }
+
     /// Moves this shape's ranges down behind a shape that was taken out.
     pub(crate) fn move_down(&mut self, removed: &Self) {
         let down = |first: &mut u32, from: u32, by: u32| {

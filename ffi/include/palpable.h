@@ -1,0 +1,1280 @@
+/*
+ * Palpable: a hard-real-time contact kernel. A tracked hand never reaches through the virtual world.
+ *
+ * Generated from ffi/src by ffi/tests/header.rs. Do not edit.
+ *
+ * Units are SI: metres, kilograms, seconds, radians, newtons. Axes and layouts are OpenXR's:
+ * right-handed, +Y up, -Z forward, quaternions x y z w, a pose is orientation then position.
+ *
+ * Memory. A world lies in one block of the host's memory, `palp_memory_bytes` long and aligned to
+ * PALP_BLOCK_ALIGNMENT, and nowhere else. The library allocates nothing, keeps no pointer that it is
+ * given and has no global state. The handle is the block's address: there is nothing to destroy, and
+ * a copy of the block is a second world.
+ *
+ * Threads. A call with `const palp_world *` is safe beside other such calls on the same world. Any
+ * other call needs the world for itself. Distinct worlds are independent.
+ *
+ * Pointers. Null, unless a comment allows it, and pointers that are not aligned to their type are
+ * refused; every other pointer must be good for what its type says. Arguments are read, and results
+ * written, during the call only. Results are written when the status is not negative. Arrays that the
+ * host gives must not lie in the world's block.
+ *
+ * Versions. Structs that may grow start with `struct_size`, which the host sets, most easily with the
+ * struct's `_INIT` macro; only fields that the host's version has are read or written. Ids are
+ * { index1, generation }; zero is null, and an id outlives its thing without harm.
+ *
+ * Errors. Every call with a status gives PALP_OK, a positive status when it was done but cut short, or
+ * a negative one when it was refused and nothing changed. No panic and no bad argument crosses the
+ * line: should the library fail inside, it says PALP_PANICKED.
+ *
+ * Equal calls give equal states, bit for bit, on every processor; `palp_state_hash` compares them.
+ */
+
+#ifndef PALPABLE_H
+#define PALPABLE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/** Number of this binary interface; it is part of the symbol of `palp_world_create`. */
+#define PALP_ABI 1
+#define palp_world_create palp_world_create_abi1
+
+/**
+ * Alignment of a world's block, in bytes.
+ */
+#define PALP_BLOCK_ALIGNMENT 64
+
+/**
+ * Most points of a hull.
+ */
+#define PALP_POINTS_MAX 512
+
+/**
+ * Never moves; only `palp_body_place` moves it.
+ */
+#define PALP_KIND_FIXED 1
+
+/**
+ * Moved by impulses and gravity.
+ */
+#define PALP_KIND_DYNAMIC 2
+
+/**
+ * Follows a tracker, and never into a fixed body.
+ */
+#define PALP_KIND_DRIVEN 3
+
+/**
+ * A detached body stays where contact holds it.
+ */
+#define PALP_SNAP_NEVER 0
+
+/**
+ * A detached body jumps to its tracker as soon as nothing is in the way there.
+ */
+#define PALP_SNAP_WHEN_FREE 1
+
+/**
+ * A point at the piece's origin: with the radius, a sphere.
+ */
+#define PALP_SHAPE_POINT 1
+
+/**
+ * The segment from `a` to `b`: with the radius, a capsule.
+ */
+#define PALP_SHAPE_SEGMENT 2
+
+/**
+ * A box with half extents `a`, centred; with a radius, rounded outward.
+ */
+#define PALP_SHAPE_BOX 3
+
+/**
+ * The hull of `points`; with a radius, rounded outward.
+ */
+#define PALP_SHAPE_HULL 4
+
+/**
+ * Built-in material: wood.
+ */
+#define PALP_MATERIAL_WOOD 0
+
+/**
+ * Built-in material: skin.
+ */
+#define PALP_MATERIAL_HUMAN 1
+
+/**
+ * Built-in material: metal.
+ */
+#define PALP_MATERIAL_METAL 2
+
+/**
+ * The time step was not a positive number: nothing moved.
+ */
+#define PALP_FRAME_BAD_TIME_STEP 1
+
+/**
+ * The time step was clamped.
+ */
+#define PALP_FRAME_TIME_STEP_CLAMPED 2
+
+/**
+ * A driven body's way was cut by the budget.
+ */
+#define PALP_FRAME_CUT_ADVANCE 4
+
+/**
+ * Loose bodies were stopped early by the budget or by the bound on events.
+ */
+#define PALP_FRAME_CUT_IMPULSES 8
+
+/**
+ * Pairs were left out and their movers held: raise `palp_capacities.pairs`.
+ */
+#define PALP_FRAME_FULL_PAIRS 16
+
+/**
+ * Contacts were left out: raise `palp_capacities.contacts`.
+ */
+#define PALP_FRAME_FULL_CONTACTS 32
+
+/**
+ * A driven body overlaps a fixed one where the host put it.
+ */
+#define PALP_FRAME_OVERLAP 64
+
+/**
+ * Contact bent or ended the body's way.
+ */
+#define PALP_DRIVEN_TOUCHING 1
+
+/**
+ * The body stayed exactly where it was.
+ */
+#define PALP_DRIVEN_HELD 2
+
+/**
+ * The body is farther from its tracker than `palp_coupling.divergence_m`.
+ */
+#define PALP_DRIVEN_DETACHED 4
+
+/**
+ * The tracker has been lost for longer than `palp_coupling.grace_s`.
+ */
+#define PALP_DRIVEN_LOST 8
+
+/**
+ * The budget ended the body's way early; the rest follows next frame.
+ */
+#define PALP_DRIVEN_CUT 16
+
+/**
+ * The host placed things so that the body overlaps a fixed one, and no way out was found yet.
+ */
+#define PALP_DRIVEN_OVERLAPS 32
+
+/**
+ * A pool was full: the body stayed where it was.
+ */
+#define PALP_DRIVEN_POOL_FULL 64
+
+/**
+ * Joints of a hand in OpenXR: `XR_HAND_JOINT_COUNT_EXT`.
+ */
+#define PALP_HAND_JOINTS 26
+
+/**
+ * A world. Its handle is the address of the block it lies in, which is the host's memory: there is
+ * no call to destroy it, and a copy of the block at another address is a second world.
+ */
+typedef struct palp_world palp_world;
+
+/**
+ * What a call came to: zero is fine, positive is done but cut short, negative is refused with
+ * nothing changed. A number never gets a second meaning.
+ */
+typedef int32_t palp_status;
+
+/**
+ * A rotation. The same in memory as `XrQuaternionf`. Need not have unit length where the host gives
+ * it: lengths from 0.001 to 1000 are normalised.
+ */
+typedef struct palp_quat {
+    /**
+     * First imaginary part.
+     */
+    float x;
+    /**
+     * Second imaginary part.
+     */
+    float y;
+    /**
+     * Third imaginary part.
+     */
+    float z;
+    /**
+     * Real part.
+     */
+    float w;
+} palp_quat;
+
+/**
+ * Three coordinates. The same in memory as `XrVector3f`.
+ */
+typedef struct palp_vec3 {
+    /**
+     * Right.
+     */
+    float x;
+    /**
+     * Up.
+     */
+    float y;
+    /**
+     * Backward.
+     */
+    float z;
+} palp_vec3;
+
+/**
+ * Where a thing is. 28 bytes, the same in memory as `XrPosef`.
+ */
+typedef struct palp_pose {
+    /**
+     * Orientation.
+     */
+    struct palp_quat orientation;
+    /**
+     * Position in metres.
+     */
+    struct palp_vec3 position;
+} palp_pose;
+
+/**
+ * The spring between a tracker and a driven body. It carries only what contact forces: free motion
+ * does not lag.
+ */
+typedef struct palp_coupling {
+    /**
+     * Mass in kg, above 0.
+     */
+    float mass_kg;
+    /**
+     * Stiffness in N/m, 0 or more.
+     */
+    float stiffness_n_per_m;
+    /**
+     * Damping in N s/m, 0 or more.
+     */
+    float damping_n_s_per_m;
+    /**
+     * How far body and tracker may be apart before the body counts as detached, in metres, above 0.
+     */
+    float divergence_m;
+    /**
+     * What happens then: `PALP_SNAP_NEVER` or `PALP_SNAP_WHEN_FREE`.
+     */
+    uint32_t snap;
+    /**
+     * How long a lost tracker's last target is kept before the body counts as lost, in seconds.
+     */
+    float grace_s;
+} palp_coupling;
+
+/**
+ * What a body is made from. Start from `PALP_BODY_DEF_INIT`.
+ */
+typedef struct palp_body_def {
+    /**
+     * `sizeof(palp_body_def)`.
+     */
+    uint32_t struct_size;
+    /**
+     * `PALP_KIND_FIXED`, `PALP_KIND_DYNAMIC` or `PALP_KIND_DRIVEN`.
+     */
+    uint32_t kind;
+    /**
+     * Where it is.
+     */
+    struct palp_pose pose;
+    /**
+     * The spring of a driven body; not looked at for others.
+     */
+    struct palp_coupling coupling;
+} palp_body_def;
+
+/**
+ * Names a body. All zeros is null. A stale id is refused.
+ */
+typedef struct palp_body_id {
+    /**
+     * Index of the slot plus one; zero is null.
+     */
+    uint32_t index1;
+    /**
+     * How often the slot has been used.
+     */
+    uint32_t generation;
+} palp_body_id;
+
+/**
+ * What the last frame did to a driven body. Start from `PALP_DRIVEN_STATE_INIT`.
+ */
+typedef struct palp_driven_state {
+    /**
+     * `sizeof(palp_driven_state)`.
+     */
+    uint32_t struct_size;
+    /**
+     * `PALP_DRIVEN_` bits.
+     */
+    uint32_t flags;
+    /**
+     * How far contact holds the body from its target, in metres.
+     */
+    float displacement_m;
+    /**
+     * Force of the coupling on the hand, in newtons, in the world: the haptic signal.
+     */
+    struct palp_vec3 force_n;
+} palp_driven_state;
+
+/**
+ * Names a piece. All zeros is null. A stale id is refused.
+ */
+typedef struct palp_piece_id {
+    /**
+     * Index of the slot plus one; zero is null. `index1 - 1` is the index in `palp_piece_poses`.
+     */
+    uint32_t index1;
+    /**
+     * How often the slot has been used.
+     */
+    uint32_t generation;
+} palp_piece_id;
+
+/**
+ * A contact of the last frame.
+ */
+typedef struct palp_contact {
+    /**
+     * Piece of the driven or dynamic body.
+     */
+    struct palp_piece_id piece_a;
+    /**
+     * Piece of the other body.
+     */
+    struct palp_piece_id piece_b;
+    /**
+     * Midway between the surfaces, in the world, in metres.
+     */
+    struct palp_vec3 point;
+    /**
+     * From B into A, unit length.
+     */
+    struct palp_vec3 normal;
+    /**
+     * Distance of the surfaces in metres; negative is overlap.
+     */
+    float gap_m;
+    /**
+     * Impulse on A along the normal during the frame, in newton seconds; zero for driven against
+     * fixed.
+     */
+    float impulse_n_s;
+} palp_contact;
+
+/**
+ * What a frame is given. Start from `PALP_FRAME_INPUT_INIT`.
+ */
+typedef struct palp_frame_input {
+    /**
+     * `sizeof(palp_frame_input)`.
+     */
+    uint32_t struct_size;
+    /**
+     * Time since the frame before, in seconds. Kept between 0.0001 and 0.1; not above zero is
+     * refused.
+     */
+    float dt_s;
+    /**
+     * Work that may be spent on driven bodies; one unit is one distance query between two pieces.
+     */
+    uint32_t advance_units;
+    /**
+     * Work that may be spent on loose bodies, in the same units.
+     */
+    uint32_t impulse_units;
+} palp_frame_input;
+
+/**
+ * What a frame did. Start from `PALP_FRAME_REPORT_INIT`.
+ */
+typedef struct palp_frame_report {
+    /**
+     * `sizeof(palp_frame_report)`.
+     */
+    uint32_t struct_size;
+    /**
+     * `PALP_FRAME_` bits.
+     */
+    uint32_t flags;
+    /**
+     * Frames stepped so far, this one included.
+     */
+    uint64_t frame;
+    /**
+     * Units spent on driven bodies.
+     */
+    uint32_t advance_units;
+    /**
+     * Units spent on loose bodies.
+     */
+    uint32_t impulse_units;
+    /**
+     * Contacts that `palp_contacts` gives.
+     */
+    uint32_t contacts;
+    /**
+     * Impulses applied.
+     */
+    uint32_t impulses;
+    /**
+     * Time by which loose bodies were stopped before the end of the frame, at most, in seconds.
+     */
+    float lost_s;
+    /**
+     * Zero.
+     */
+    uint32_t reserved;
+} palp_frame_report;
+
+/**
+ * What a piece is made from. Start from `PALP_PIECE_DEF_INIT`.
+ */
+typedef struct palp_piece_def {
+    /**
+     * `sizeof(palp_piece_def)`.
+     */
+    uint32_t struct_size;
+    /**
+     * One of the `PALP_SHAPE_` numbers.
+     */
+    uint32_t shape;
+    /**
+     * Points of a hull in metres, each three floats; read during the call only. Those inside the
+     * hull are left out.
+     */
+    const float *points;
+    /**
+     * Number of points, 4 to `PALP_POINTS_MAX`.
+     */
+    uint32_t point_count;
+    /**
+     * Bytes from one point to the next, a multiple of 4; 0 stands for 12.
+     */
+    uint32_t point_stride;
+    /**
+     * One end of a segment, or half extents of a box, in metres.
+     */
+    struct palp_vec3 a;
+    /**
+     * Other end of a segment, in metres.
+     */
+    struct palp_vec3 b;
+    /**
+     * Rounding radius in metres, 0 or more.
+     */
+    float radius_m;
+    /**
+     * Density in kg/m3, above 0; looked at for dynamic bodies only.
+     */
+    float density_kg_m3;
+    /**
+     * A `PALP_MATERIAL_` number or one from `palp_material_add`.
+     */
+    uint32_t material;
+    /**
+     * Pose in the body's frame.
+     */
+    struct palp_pose local_pose;
+} palp_piece_def;
+
+/**
+ * How much of everything a world has room for. Start from `PALP_CAPACITIES_ROOM`, ship what
+ * `palp_high_water` says.
+ */
+typedef struct palp_capacities {
+    /**
+     * `sizeof(palp_capacities)`.
+     */
+    uint32_t struct_size;
+    /**
+     * Bodies of all kinds.
+     */
+    uint32_t bodies;
+    /**
+     * Pieces of all bodies.
+     */
+    uint32_t pieces;
+    /**
+     * Vertices of all pieces: a point has 1, a segment 2, a box 8.
+     */
+    uint32_t vertices;
+    /**
+     * Pairs of pieces that may touch within one frame.
+     */
+    uint32_t pairs;
+    /**
+     * Contacts of loose bodies within one frame, and contacts that `palp_contacts` can give.
+     */
+    uint32_t contacts;
+    /**
+     * Materials that the host adds.
+     */
+    uint32_t materials;
+} palp_capacities;
+
+/**
+ * Done.
+ */
+#define PALP_OK 0
+
+/**
+ * Stepped, with the time step clamped to 0.0001 to 0.1 s.
+ */
+#define PALP_TIME_STEP_CLAMPED 1
+
+/**
+ * Stepped; loose bodies stopped early: raise `palp_frame_input.impulse_units`.
+ */
+#define PALP_CUT_IMPULSES 2
+
+/**
+ * Stepped; a driven body's way was cut and goes on next frame: raise `palp_frame_input.advance_units`.
+ */
+#define PALP_CUT_ADVANCE 3
+
+/**
+ * Stepped; contacts were left out: raise `palp_capacities.contacts`.
+ */
+#define PALP_FULL_CONTACTS 4
+
+/**
+ * Stepped; pairs were left out and their movers held: raise `palp_capacities.pairs`.
+ */
+#define PALP_FULL_PAIRS 5
+
+/**
+ * Stepped; a driven body overlaps a fixed one where the host put it.
+ */
+#define PALP_OVERLAP 6
+
+/**
+ * Set; pieces whose joints were not good keep their last targets.
+ */
+#define PALP_JOINTS_IGNORED 7
+
+/**
+ * Nothing set, because the wrist was not good: the next frame counts the tracker as lost.
+ */
+#define PALP_TRACKING_LOST 8
+
+/**
+ * The library failed inside. The world may be half changed: load a saved state or create it anew.
+ */
+#define PALP_PANICKED -1
+
+/**
+ * A pointer that must not be null is null.
+ */
+#define PALP_NULL -2
+
+/**
+ * A pointer is not aligned to its type, or a block not to `PALP_BLOCK_ALIGNMENT`.
+ */
+#define PALP_MISALIGNED -3
+
+/**
+ * A `struct_size` is not that of any version of the struct, or a field that this library does not
+ * know is not zero.
+ */
+#define PALP_BAD_STRUCT_SIZE -4
+
+/**
+ * A number names no kind, shape or policy.
+ */
+#define PALP_BAD_ENUM -5
+
+/**
+ * The block is shorter than `palp_memory_bytes` says.
+ */
+#define PALP_MEMORY_TOO_SMALL -6
+
+/**
+ * A capacity is beyond what any world may have.
+ */
+#define PALP_CAPACITY_TOO_LARGE -7
+
+/**
+ * The block holds no world.
+ */
+#define PALP_NOT_A_WORLD -8
+
+/**
+ * The world or the saved state was made by a library with another memory layout, or with other
+ * capacities.
+ */
+#define PALP_OTHER_LAYOUT -9
+
+/**
+ * The head of a world or of a saved state contradicts its checksum.
+ */
+#define PALP_DAMAGED -10
+
+/**
+ * The id names no body of this world.
+ */
+#define PALP_STALE_BODY -11
+
+/**
+ * The id names no piece of this world.
+ */
+#define PALP_STALE_PIECE -12
+
+/**
+ * The body is of a kind that this cannot be done to.
+ */
+#define PALP_WRONG_KIND -13
+
+/**
+ * A pose or velocity is not finite, farther than 10 km from the origin, or without orientation.
+ */
+#define PALP_BAD_POSE -14
+
+/**
+ * There are not as many entries as the body has pieces.
+ */
+#define PALP_WRONG_COUNT -15
+
+/**
+ * The coupling's mass or divergence is not above zero, another of its numbers is negative, or one
+ * is not finite.
+ */
+#define PALP_BAD_COUPLING -16
+
+/**
+ * A number is outside its range.
+ */
+#define PALP_BAD_NUMBER -17
+
+/**
+ * A number is not finite.
+ */
+#define PALP_NOT_FINITE -18
+
+/**
+ * A coordinate or a radius is beyond 10 km.
+ */
+#define PALP_TOO_LARGE -19
+
+/**
+ * Fewer points than a hull needs.
+ */
+#define PALP_TOO_FEW_POINTS -20
+
+/**
+ * More points than `PALP_POINTS_MAX`.
+ */
+#define PALP_TOO_MANY_POINTS -21
+
+/**
+ * The shape is flat, or a point or segment without radius, or a box without extent.
+ */
+#define PALP_DEGENERATE -22
+
+/**
+ * The world has no such material.
+ */
+#define PALP_UNKNOWN_MATERIAL -23
+
+/**
+ * The restitution is outside 0 to 1, or the friction negative, or one is not finite.
+ */
+#define PALP_BAD_SURFACE -24
+
+/**
+ * The time step is not a positive number: nothing moved.
+ */
+#define PALP_BAD_TIME_STEP -25
+
+/**
+ * A stride is shorter than what lies in it, or not a multiple of the alignment.
+ */
+#define PALP_BAD_STRIDE -26
+
+/**
+ * The buffer is shorter than `palp_state_bytes` says.
+ */
+#define PALP_BUFFER_TOO_SMALL -27
+
+/**
+ * A piece names a joint that a hand does not have.
+ */
+#define PALP_UNKNOWN_JOINT -28
+
+/**
+ * An array or buffer of the host reaches into the world's block.
+ */
+#define PALP_INSIDE_WORLD -29
+
+/**
+ * No room for the body: raise `palp_capacities.bodies`.
+ */
+#define PALP_FULL_BODIES -30
+
+/**
+ * No room for the piece: raise `palp_capacities.pieces`.
+ */
+#define PALP_FULL_PIECES -31
+
+/**
+ * No room for the piece's vertices: raise `palp_capacities.vertices`.
+ */
+#define PALP_FULL_VERTICES -32
+
+/**
+ * No room for the material: raise `palp_capacities.materials`.
+ */
+#define PALP_FULL_MATERIALS -33
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/**
+ * Adds a body without pieces.
+ */
+palp_status palp_body_add(struct palp_world *world,
+                          const struct palp_body_def *def,
+                          struct palp_body_id *body);
+
+/**
+ * Removes a body and its pieces. Costs one pass over all pieces' vertices for each of its pieces.
+ */
+palp_status palp_body_remove(struct palp_world *world, struct palp_body_id body);
+
+/**
+ * Puts a body elsewhere at once, without a way there. A driven body forgets its displacement, a
+ * dynamic one keeps its velocity. Overlap made so is reported by the next frame and never gets
+ * deeper.
+ */
+palp_status palp_body_place(struct palp_world *world,
+                            struct palp_body_id body,
+                            const struct palp_pose *pose);
+
+/**
+ * Sets the velocity of a dynamic body's centre of mass in m/s and its angular velocity in rad/s,
+ * both in the world, and wakes it.
+ */
+palp_status palp_body_set_velocity(struct palp_world *world,
+                                   struct palp_body_id body,
+                                   const struct palp_vec3 *linear_m_s,
+                                   const struct palp_vec3 *angular_rad_s);
+
+/**
+ * The velocity of a dynamic body's centre of mass in m/s and its angular velocity in rad/s, both in
+ * the world. Either pointer may be null.
+ */
+palp_status palp_body_velocity(const struct palp_world *world,
+                               struct palp_body_id body,
+                               struct palp_vec3 *linear_m_s,
+                               struct palp_vec3 *angular_rad_s);
+
+/**
+ * The mass of a dynamic body in kg.
+ */
+palp_status palp_body_mass(const struct palp_world *world,
+                           struct palp_body_id body,
+                           float *mass_kg);
+
+/**
+ * Tells where a driven body's tracker is. Call it every frame: a frame without it, or with one that
+ * is refused, counts the tracker as lost and keeps the last target.
+ */
+palp_status palp_body_set_target(struct palp_world *world,
+                                 struct palp_body_id body,
+                                 const struct palp_pose *target);
+
+/**
+ * Tells where a driven body's pieces are to be in its frame, in the order they were added: the
+ * fingers of a tracked hand. They move there over the frame, as far as contact allows. Refused as a
+ * whole when `count` is not the number of pieces or any pose is bad.
+ */
+palp_status palp_body_set_piece_targets(struct palp_world *world,
+                                        struct palp_body_id body,
+                                        const struct palp_pose *poses,
+                                        uint32_t count);
+
+/**
+ * The published pose of a body.
+ */
+palp_status palp_body_pose(const struct palp_world *world,
+                           struct palp_body_id body,
+                           struct palp_pose *pose);
+
+/**
+ * What the last frame did to a driven body. `state->struct_size` is set by the host.
+ */
+palp_status palp_driven_report(const struct palp_world *world,
+                               struct palp_body_id body,
+                               struct palp_driven_state *state);
+
+/**
+ * The contacts of the last frame. The array lies in the world's block and is good until the next call
+ * that changes the world.
+ */
+palp_status palp_contacts(const struct palp_world *world,
+                          const struct palp_contact **contacts,
+                          uint32_t *count);
+
+/**
+ * Steps the world by one frame, spending at most the input's units. Several things may have been cut;
+ * the status is the gravest of them (overlap, pairs, contacts, advance, impulses, time step), the
+ * report has them all. `report->struct_size` is set by the host; `report` may be null.
+ */
+palp_status palp_frame_step(struct palp_world *world,
+                            const struct palp_frame_input *input,
+                            struct palp_frame_report *report);
+
+/**
+ * Tells where a hand tracker sees the 26 joints of a hand that is a driven body: the wrist becomes the
+ * body's target, and each piece's target in the body's frame is its joint seen from the wrist, then
+ * its offset. Instead of `palp_body_set_target` and `palp_body_set_piece_targets`; call it every frame
+ * in which `XrHandJointLocationsEXT.isActive` is true.
+ *
+ * `locations` is an `XrHandJointLocationEXT[26]` as `xrLocateHandJointsEXT` filled it, of any
+ * alignment, `stride` bytes from one joint to the next; 0 stands for 40. `piece_joints` has the number
+ * of the joint that carries each piece, in the order the pieces were added, 0 to 25, and
+ * `piece_offsets` each piece's pose on that joint; null when all pieces lie on their joints as they
+ * are. `count` is the number of pieces. A joint farther than `reach_m` metres from the wrist is not
+ * believed; 0.5 suits a hand of human size.
+ *
+ * Flags are checked and not trusted. A joint whose orientation or position is not flagged as valid,
+ * not finite, without length or out of reach is ignored: its pieces keep their last targets, and the
+ * status is `PALP_JOINTS_IGNORED`. When the wrist is like that, nothing is set, the next frame counts
+ * the tracker as lost, and the status is `PALP_TRACKING_LOST`. `pieces_kept`, which may be null, gets
+ * the number of pieces that keep their last targets.
+ */
+palp_status palp_hand_set_joints(struct palp_world *world,
+                                 struct palp_body_id body,
+                                 const void *locations,
+                                 uint32_t stride,
+                                 const struct palp_pose *piece_offsets,
+                                 const uint32_t *piece_joints,
+                                 uint32_t count,
+                                 float reach_m,
+                                 uint32_t *pieces_kept);
+
+/**
+ * Adds a body without pieces.
+ */
+palp_status palp_body_add(struct palp_world *world,
+                          const struct palp_body_def *def,
+                          struct palp_body_id *body);
+
+/**
+ * Removes a body and its pieces. Costs one pass over all pieces' vertices for each of its pieces.
+ */
+palp_status palp_body_remove(struct palp_world *world, struct palp_body_id body);
+
+/**
+ * Puts a body elsewhere at once, without a way there. A driven body forgets its displacement, a
+ * dynamic one keeps its velocity. Overlap made so is reported by the next frame and never gets
+ * deeper.
+ */
+palp_status palp_body_place(struct palp_world *world,
+                            struct palp_body_id body,
+                            const struct palp_pose *pose);
+
+/**
+ * Sets the velocity of a dynamic body's centre of mass in m/s and its angular velocity in rad/s,
+ * both in the world, and wakes it.
+ */
+palp_status palp_body_set_velocity(struct palp_world *world,
+                                   struct palp_body_id body,
+                                   const struct palp_vec3 *linear_m_s,
+                                   const struct palp_vec3 *angular_rad_s);
+
+/**
+ * The velocity of a dynamic body's centre of mass in m/s and its angular velocity in rad/s, both in
+ * the world. Either pointer may be null.
+ */
+palp_status palp_body_velocity(const struct palp_world *world,
+                               struct palp_body_id body,
+                               struct palp_vec3 *linear_m_s,
+                               struct palp_vec3 *angular_rad_s);
+
+/**
+ * The mass of a dynamic body in kg.
+ */
+palp_status palp_body_mass(const struct palp_world *world,
+                           struct palp_body_id body,
+                           float *mass_kg);
+
+/**
+ * Tells where a driven body's tracker is. Call it every frame: a frame without it, or with one that
+ * is refused, counts the tracker as lost and keeps the last target.
+ */
+palp_status palp_body_set_target(struct palp_world *world,
+                                 struct palp_body_id body,
+                                 const struct palp_pose *target);
+
+/**
+ * Tells where a driven body's pieces are to be in its frame, in the order they were added: the
+ * fingers of a tracked hand. They move there over the frame, as far as contact allows. Refused as a
+ * whole when `count` is not the number of pieces or any pose is bad.
+ */
+palp_status palp_body_set_piece_targets(struct palp_world *world,
+                                        struct palp_body_id body,
+                                        const struct palp_pose *poses,
+                                        uint32_t count);
+
+/**
+ * The published pose of a body.
+ */
+palp_status palp_body_pose(const struct palp_world *world,
+                           struct palp_body_id body,
+                           struct palp_pose *pose);
+
+/**
+ * What the last frame did to a driven body. `state->struct_size` is set by the host.
+ */
+palp_status palp_driven_report(const struct palp_world *world,
+                               struct palp_body_id body,
+                               struct palp_driven_state *state);
+
+/**
+ * The contacts of the last frame. The array lies in the world's block and is good until the next call
+ * that changes the world.
+ */
+palp_status palp_contacts(const struct palp_world *world,
+                          const struct palp_contact **contacts,
+                          uint32_t *count);
+
+/**
+ * Steps the world by one frame, spending at most the input's units. Several things may have been cut;
+ * the status is the gravest of them (overlap, pairs, contacts, advance, impulses, time step), the
+ * report has them all. `report->struct_size` is set by the host; `report` may be null.
+ */
+palp_status palp_frame_step(struct palp_world *world,
+                            const struct palp_frame_input *input,
+                            struct palp_frame_report *report);
+
+/**
+ * Tells where a hand tracker sees the 26 joints of a hand that is a driven body: the wrist becomes the
+ * body's target, and each piece's target in the body's frame is its joint seen from the wrist, then
+ * its offset. Instead of `palp_body_set_target` and `palp_body_set_piece_targets`; call it every frame
+ * in which `XrHandJointLocationsEXT.isActive` is true.
+ *
+ * `locations` is an `XrHandJointLocationEXT[26]` as `xrLocateHandJointsEXT` filled it, of any
+ * alignment, `stride` bytes from one joint to the next; 0 stands for 40. `piece_joints` has the number
+ * of the joint that carries each piece, in the order the pieces were added, 0 to 25, and
+ * `piece_offsets` each piece's pose on that joint; null when all pieces lie on their joints as they
+ * are. `count` is the number of pieces. A joint farther than `reach_m` metres from the wrist is not
+ * believed; 0.5 suits a hand of human size.
+ *
+ * Flags are checked and not trusted. A joint whose orientation or position is not flagged as valid,
+ * not finite, without length or out of reach is ignored: its pieces keep their last targets, and the
+ * status is `PALP_JOINTS_IGNORED`. When the wrist is like that, nothing is set, the next frame counts
+ * the tracker as lost, and the status is `PALP_TRACKING_LOST`. `pieces_kept`, which may be null, gets
+ * the number of pieces that keep their last targets.
+ */
+palp_status palp_hand_set_joints(struct palp_world *world,
+                                 struct palp_body_id body,
+                                 const void *locations,
+                                 uint32_t stride,
+                                 const struct palp_pose *piece_offsets,
+                                 const uint32_t *piece_joints,
+                                 uint32_t count,
+                                 float reach_m,
+                                 uint32_t *pieces_kept);
+
+/**
+ * Adds a material, without friction or restitution against any other.
+ */
+palp_status palp_material_add(struct palp_world *world, uint32_t *material);
+
+/**
+ * Sets how two materials meet, in either order: restitution is speed after an impact over speed
+ * before, 0 to 1; friction is Coulomb's coefficient, 0 or more.
+ */
+palp_status palp_surface_set(struct palp_world *world,
+                             uint32_t material_a,
+                             uint32_t material_b,
+                             float restitution,
+                             float friction);
+
+/**
+ * Adds a piece to a body, behind those it has. Uses up to 1 MB of stack while it builds a hull.
+ */
+palp_status palp_piece_add(struct palp_world *world,
+                           struct palp_body_id body,
+                           const struct palp_piece_def *def,
+                           struct palp_piece_id *piece);
+
+/**
+ * Removes a piece. Costs one pass over all pieces' vertices.
+ */
+palp_status palp_piece_remove(struct palp_world *world, struct palp_piece_id piece);
+
+/**
+ * The published pose of a piece in the world.
+ */
+palp_status palp_piece_pose(const struct palp_world *world,
+                            struct palp_piece_id piece,
+                            struct palp_pose *pose);
+
+/**
+ * The published poses of all piece slots in the world: entry `index1 - 1` is that of a piece's id;
+ * slots not in use hold anything. The array lies in the world's block and is good until the next call
+ * that changes the world. `count` may be null.
+ */
+palp_status palp_piece_poses(const struct palp_world *world,
+                             const struct palp_pose **poses,
+                             uint32_t *count);
+
+/**
+ * Bytes that `palp_state_save` writes: the same for a world's whole life.
+ */
+palp_status palp_state_bytes(const struct palp_world *world, size_t *bytes);
+
+/**
+ * Copies the state into a buffer of `bytes` bytes of any alignment. `written` may be null.
+ */
+palp_status palp_state_save(const struct palp_world *world,
+                            void *buffer,
+                            size_t bytes,
+                            size_t *written);
+
+/**
+ * Rolls the world back to a state saved from it, or from one with the same capacities. Ids of that
+ * time are good again.
+ */
+palp_status palp_state_load(struct palp_world *world, const void *buffer, size_t bytes);
+
+/**
+ * A hash of the whole state: equal after equal calls, on every processor. Not a checksum against
+ * forgery.
+ */
+palp_status palp_state_hash(const struct palp_world *world, uint64_t *hash);
+
+/**
+ * What a status means, in English. Never null; lasts as long as the library is loaded.
+ */
+const char *palp_status_text(palp_status status);
+
+/**
+ * The library's version, such as "0.1.0". Never null; lasts as long as the library is loaded.
+ */
+const char *palp_version(void);
+
+/**
+ * Room for one hand of 18 parts, a furnished room and a few loose objects: what
+ * `PALP_CAPACITIES_ROOM` is at compile time. `capacities->struct_size` is set by the host.
+ */
+palp_status palp_capacities_room(struct palp_capacities *capacities);
+
+/**
+ * Bytes of the block that a world with these capacities needs. 0 when they are refused: null, a
+ * wrong `struct_size`, or a capacity beyond what any world may have.
+ */
+size_t palp_memory_bytes(const struct palp_capacities *capacities);
+
+/**
+ * Makes an empty world in `memory`, which holds `bytes` bytes, aligned to `PALP_BLOCK_ALIGNMENT`.
+ * What they held before does not matter. The memory stays the host's: it must outlive the last call
+ * with the handle, and is freed when the world is no longer wanted.
+ *
+ * Call it as `palp_world_create`: the number in the symbol is `PALP_ABI`, so that a program built
+ * with another header does not link.
+ */
+palp_status palp_world_create_abi1(void *memory,
+                                   size_t bytes,
+                                   const struct palp_capacities *capacities,
+                                   struct palp_world **world);
+
+/**
+ * Takes up a world that was made in `memory`, or copied there, checking that `bytes` bytes hold it.
+ */
+palp_status palp_world_attach(void *memory, size_t bytes, struct palp_world **world);
+
+/**
+ * The most that was ever in use at once: what to ship as capacities.
+ * `capacities->struct_size` is set by the host.
+ */
+palp_status palp_high_water(const struct palp_world *world, struct palp_capacities *capacities);
+
+/**
+ * Sets the acceleration of loose bodies, in m/s2. A new world has 0, -9.81, 0.
+ */
+palp_status palp_gravity_set(struct palp_world *world, const struct palp_vec3 *gravity_m_s2);
+
+/**
+ * Adds a material, without friction or restitution against any other.
+ */
+palp_status palp_material_add(struct palp_world *world, uint32_t *material);
+
+/**
+ * Sets how two materials meet, in either order: restitution is speed after an impact over speed
+ * before, 0 to 1; friction is Coulomb's coefficient, 0 or more.
+ */
+palp_status palp_surface_set(struct palp_world *world,
+                             uint32_t material_a,
+                             uint32_t material_b,
+                             float restitution,
+                             float friction);
+
+/**
+ * Adds a piece to a body, behind those it has. Uses up to 1 MB of stack while it builds a hull.
+ */
+palp_status palp_piece_add(struct palp_world *world,
+                           struct palp_body_id body,
+                           const struct palp_piece_def *def,
+                           struct palp_piece_id *piece);
+
+/**
+ * Removes a piece. Costs one pass over all pieces' vertices.
+ */
+palp_status palp_piece_remove(struct palp_world *world, struct palp_piece_id piece);
+
+/**
+ * The published pose of a piece in the world.
+ */
+palp_status palp_piece_pose(const struct palp_world *world,
+                            struct palp_piece_id piece,
+                            struct palp_pose *pose);
+
+/**
+ * The published poses of all piece slots in the world: entry `index1 - 1` is that of a piece's id;
+ * slots not in use hold anything. The array lies in the world's block and is good until the next call
+ * that changes the world. `count` may be null.
+ */
+palp_status palp_piece_poses(const struct palp_world *world,
+                             const struct palp_pose **poses,
+                             uint32_t *count);
+
+/**
+ * Bytes that `palp_state_save` writes: the same for a world's whole life.
+ */
+palp_status palp_state_bytes(const struct palp_world *world, size_t *bytes);
+
+/**
+ * Copies the state into a buffer of `bytes` bytes of any alignment. `written` may be null.
+ */
+palp_status palp_state_save(const struct palp_world *world,
+                            void *buffer,
+                            size_t bytes,
+                            size_t *written);
+
+/**
+ * Rolls the world back to a state saved from it, or from one with the same capacities. Ids of that
+ * time are good again.
+ */
+palp_status palp_state_load(struct palp_world *world, const void *buffer, size_t bytes);
+
+/**
+ * A hash of the whole state: equal after equal calls, on every processor. Not a checksum against
+ * forgery.
+ */
+palp_status palp_state_hash(const struct palp_world *world, uint64_t *hash);
+
+/**
+ * What a status means, in English. Never null; lasts as long as the library is loaded.
+ */
+const char *palp_status_text(palp_status status);
+
+/**
+ * The library's version, such as "0.1.0". Never null; lasts as long as the library is loaded.
+ */
+const char *palp_version(void);
+
+/**
+ * Room for one hand of 18 parts, a furnished room and a few loose objects: what
+ * `PALP_CAPACITIES_ROOM` is at compile time. `capacities->struct_size` is set by the host.
+ */
+palp_status palp_capacities_room(struct palp_capacities *capacities);
+
+/**
+ * Bytes of the block that a world with these capacities needs. 0 when they are refused: null, a
+ * wrong `struct_size`, or a capacity beyond what any world may have.
+ */
+size_t palp_memory_bytes(const struct palp_capacities *capacities);
+
+/**
+ * Makes an empty world in `memory`, which holds `bytes` bytes, aligned to `PALP_BLOCK_ALIGNMENT`.
+ * What they held before does not matter. The memory stays the host's: it must outlive the last call
+ * with the handle, and is freed when the world is no longer wanted.
+ *
+ * Call it as `palp_world_create`: the number in the symbol is `PALP_ABI`, so that a program built
+ * with another header does not link.
+ */
+palp_status palp_world_create_abi1(void *memory,
+                                   size_t bytes,
+                                   const struct palp_capacities *capacities,
+                                   struct palp_world **world);
+
+/**
+ * Takes up a world that was made in `memory`, or copied there, checking that `bytes` bytes hold it.
+ */
+palp_status palp_world_attach(void *memory, size_t bytes, struct palp_world **world);
+
+/**
+ * The most that was ever in use at once: what to ship as capacities.
+ * `capacities->struct_size` is set by the host.
+ */
+palp_status palp_high_water(const struct palp_world *world, struct palp_capacities *capacities);
+
+/**
+ * Sets the acceleration of loose bodies, in m/s2. A new world has 0, -9.81, 0.
+ */
+palp_status palp_gravity_set(struct palp_world *world, const struct palp_vec3 *gravity_m_s2);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* PALPABLE_H */
+
+/** No rotation, no translation. */
+#define PALP_POSE_IDENTITY { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } }
+
+/** Room for one hand of 18 parts, a furnished room and a few loose objects. */
+#define PALP_CAPACITIES_ROOM \
+    { (uint32_t)sizeof(palp_capacities), 64, 256, 4096, 1024, 256, 8 }
+
+/** Critically damped, settles in about 0.1 s, detached beyond 0.3 m. */
+#define PALP_COUPLING_DEFAULT { 0.4f, 1000.0f, 40.0f, 0.3f, 0, 0.1f }
+
+/** A fixed body at the origin. */
+#define PALP_BODY_DEF_INIT \
+    { (uint32_t)sizeof(palp_body_def), PALP_KIND_FIXED, PALP_POSE_IDENTITY, PALP_COUPLING_DEFAULT }
+
+/** A wooden piece in the body's own frame, its shape not yet set. */
+#define PALP_PIECE_DEF_INIT \
+    { (uint32_t)sizeof(palp_piece_def), 0, NULL, 0, 0, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }, \
+      0.0f, 700.0f, PALP_MATERIAL_WOOD, PALP_POSE_IDENTITY }
+
+/** A frame of 1/60 s with an unlimited budget. */
+#define PALP_FRAME_INPUT_INIT \
+    { (uint32_t)sizeof(palp_frame_input), 1.0f / 60.0f, UINT32_MAX, UINT32_MAX }
+
+/** Empty, to be filled in by `palp_frame_step`. */
+#define PALP_FRAME_REPORT_INIT \
+    { (uint32_t)sizeof(palp_frame_report), 0, 0, 0, 0, 0, 0, 0.0f, 0 }
+
+/** Empty, to be filled in by `palp_driven_report`. */
+#define PALP_DRIVEN_STATE_INIT \
+    { (uint32_t)sizeof(palp_driven_state), 0, 0.0f, { 0.0f, 0.0f, 0.0f } }

@@ -1,0 +1,258 @@
+//! Status codes: what every call returns.
+
+use core::ffi::{CStr, c_char};
+
+/// What a call came to: zero is fine, positive is done but cut short, negative is refused with
+/// nothing changed. A number never gets a second meaning.
+#[allow(non_camel_case_types, reason = "the name in C")]
+pub type palp_status = i32;
+
+/// Done.
+pub const PALP_OK: palp_status = 0;
+
+/// Stepped, with the time step clamped to 0.0001 to 0.1 s.
+pub const PALP_TIME_STEP_CLAMPED: palp_status = 1;
+/// Stepped; loose bodies stopped early: raise `palp_frame_input.impulse_units`.
+pub const PALP_CUT_IMPULSES: palp_status = 2;
+/// Stepped; a driven body's way was cut and goes on next frame: raise `palp_frame_input.advance_units`.
+pub const PALP_CUT_ADVANCE: palp_status = 3;
+/// Stepped; contacts were left out: raise `palp_capacities.contacts`.
+pub const PALP_FULL_CONTACTS: palp_status = 4;
+/// Stepped; pairs were left out and their movers held: raise `palp_capacities.pairs`.
+pub const PALP_FULL_PAIRS: palp_status = 5;
+/// Stepped; a driven body overlaps a fixed one where the host put it.
+pub const PALP_OVERLAP: palp_status = 6;
+/// Set; pieces whose joints were not good keep their last targets.
+pub const PALP_JOINTS_IGNORED: palp_status = 7;
+/// Nothing set, because the wrist was not good: the next frame counts the tracker as lost.
+pub const PALP_TRACKING_LOST: palp_status = 8;
+
+/// The library failed inside. The world may be half changed: load a saved state or create it anew.
+pub const PALP_PANICKED: palp_status = -1;
+/// A pointer that must not be null is null.
+pub const PALP_NULL: palp_status = -2;
+/// A pointer is not aligned to its type, or a block not to `PALP_BLOCK_ALIGNMENT`.
+pub const PALP_MISALIGNED: palp_status = -3;
+/// A `struct_size` is not that of any version of the struct, or a field that this library does not
+/// know is not zero.
+pub const PALP_BAD_STRUCT_SIZE: palp_status = -4;
+/// A number names no kind, shape or policy.
+pub const PALP_BAD_ENUM: palp_status = -5;
+/// The block is shorter than `palp_memory_bytes` says.
+pub const PALP_MEMORY_TOO_SMALL: palp_status = -6;
+/// A capacity is beyond what any world may have.
+pub const PALP_CAPACITY_TOO_LARGE: palp_status = -7;
+/// The block holds no world.
+pub const PALP_NOT_A_WORLD: palp_status = -8;
+/// The world or the saved state was made by a library with another memory layout, or with other
+/// capacities.
+pub const PALP_OTHER_LAYOUT: palp_status = -9;
+/// The head of a world or of a saved state contradicts its checksum.
+pub const PALP_DAMAGED: palp_status = -10;
+/// The id names no body of this world.
+pub const PALP_STALE_BODY: palp_status = -11;
+/// The id names no piece of this world.
+pub const PALP_STALE_PIECE: palp_status = -12;
+/// The body is of a kind that this cannot be done to.
+pub const PALP_WRONG_KIND: palp_status = -13;
+/// A pose or velocity is not finite, farther than 10 km from the origin, or without orientation.
+pub const PALP_BAD_POSE: palp_status = -14;
+/// There are not as many entries as the body has pieces.
+pub const PALP_WRONG_COUNT: palp_status = -15;
+/// The coupling's mass or divergence is not above zero, another of its numbers is negative, or one
+/// is not finite.
+pub const PALP_BAD_COUPLING: palp_status = -16;
+/// A number is outside its range.
+pub const PALP_BAD_NUMBER: palp_status = -17;
+/// A number is not finite.
+pub const PALP_NOT_FINITE: palp_status = -18;
+/// A coordinate or a radius is beyond 10 km.
+pub const PALP_TOO_LARGE: palp_status = -19;
+/// Fewer points than a hull needs.
+pub const PALP_TOO_FEW_POINTS: palp_status = -20;
+/// More points than `PALP_POINTS_MAX`.
+pub const PALP_TOO_MANY_POINTS: palp_status = -21;
+/// The shape is flat, or a point or segment without radius, or a box without extent.
+pub const PALP_DEGENERATE: palp_status = -22;
+/// The world has no such material.
+pub const PALP_UNKNOWN_MATERIAL: palp_status = -23;
+/// The restitution is outside 0 to 1, or the friction negative, or one is not finite.
+pub const PALP_BAD_SURFACE: palp_status = -24;
+/// The time step is not a positive number: nothing moved.
+pub const PALP_BAD_TIME_STEP: palp_status = -25;
+/// A stride is shorter than what lies in it, or not a multiple of the alignment.
+pub const PALP_BAD_STRIDE: palp_status = -26;
+/// The buffer is shorter than `palp_state_bytes` says.
+pub const PALP_BUFFER_TOO_SMALL: palp_status = -27;
+/// A piece names a joint that a hand does not have.
+pub const PALP_UNKNOWN_JOINT: palp_status = -28;
+/// An array or buffer of the host reaches into the world's block.
+pub const PALP_INSIDE_WORLD: palp_status = -29;
+/// No room for the body: raise `palp_capacities.bodies`.
+pub const PALP_FULL_BODIES: palp_status = -30;
+/// No room for the piece: raise `palp_capacities.pieces`.
+pub const PALP_FULL_PIECES: palp_status = -31;
+/// No room for the piece's vertices: raise `palp_capacities.vertices`.
+pub const PALP_FULL_VERTICES: palp_status = -32;
+/// No room for the material: raise `palp_capacities.materials`.
+pub const PALP_FULL_MATERIALS: palp_status = -33;
+
+const TEXTS: &[(palp_status, &CStr)] = &[
+    (PALP_OK, c"done"),
+    (
+        PALP_TIME_STEP_CLAMPED,
+        c"the time step was clamped to 0.0001 to 0.1 s",
+    ),
+    (
+        PALP_CUT_IMPULSES,
+        c"loose bodies stopped early: raise palp_frame_input.impulse_units",
+    ),
+    (
+        PALP_CUT_ADVANCE,
+        c"a driven body was cut: raise palp_frame_input.advance_units",
+    ),
+    (
+        PALP_FULL_CONTACTS,
+        c"contacts were left out: raise palp_capacities.contacts",
+    ),
+    (
+        PALP_FULL_PAIRS,
+        c"pairs were left out and their movers held: raise palp_capacities.pairs",
+    ),
+    (
+        PALP_OVERLAP,
+        c"a driven body overlaps a fixed one where the host put it",
+    ),
+    (
+        PALP_JOINTS_IGNORED,
+        c"pieces whose joints were not good keep their last targets",
+    ),
+    (
+        PALP_TRACKING_LOST,
+        c"the wrist was not good: nothing was set",
+    ),
+    (
+        PALP_PANICKED,
+        c"the library failed inside: load a saved state or create the world anew",
+    ),
+    (PALP_NULL, c"a pointer is null"),
+    (PALP_MISALIGNED, c"a pointer or a block is misaligned"),
+    (
+        PALP_BAD_STRUCT_SIZE,
+        c"a struct_size is wrong, or an unknown field is not zero",
+    ),
+    (PALP_BAD_ENUM, c"a number names no kind, shape or policy"),
+    (
+        PALP_MEMORY_TOO_SMALL,
+        c"the block is shorter than palp_memory_bytes says",
+    ),
+    (
+        PALP_CAPACITY_TOO_LARGE,
+        c"a capacity is beyond what any world may have",
+    ),
+    (PALP_NOT_A_WORLD, c"the block holds no world"),
+    (
+        PALP_OTHER_LAYOUT,
+        c"made by a library with another layout, or with other capacities",
+    ),
+    (PALP_DAMAGED, c"the head contradicts its checksum"),
+    (PALP_STALE_BODY, c"the id names no body of this world"),
+    (PALP_STALE_PIECE, c"the id names no piece of this world"),
+    (
+        PALP_WRONG_KIND,
+        c"the body is of a kind that this cannot be done to",
+    ),
+    (
+        PALP_BAD_POSE,
+        c"a pose or velocity is not finite, too far away or without orientation",
+    ),
+    (
+        PALP_WRONG_COUNT,
+        c"there are not as many entries as the body has pieces",
+    ),
+    (PALP_BAD_COUPLING, c"the coupling cannot be integrated"),
+    (PALP_BAD_NUMBER, c"a number is outside its range"),
+    (PALP_NOT_FINITE, c"a number is not finite"),
+    (PALP_TOO_LARGE, c"a coordinate or a radius is beyond 10 km"),
+    (PALP_TOO_FEW_POINTS, c"fewer points than a hull needs"),
+    (PALP_TOO_MANY_POINTS, c"more points than PALP_POINTS_MAX"),
+    (PALP_DEGENERATE, c"the shape has no extent"),
+    (PALP_UNKNOWN_MATERIAL, c"the world has no such material"),
+    (
+        PALP_BAD_SURFACE,
+        c"the restitution or the friction is outside its range",
+    ),
+    (
+        PALP_BAD_TIME_STEP,
+        c"the time step is not a positive number: nothing moved",
+    ),
+    (
+        PALP_BAD_STRIDE,
+        c"a stride is too short or not a multiple of the alignment",
+    ),
+    (
+        PALP_BUFFER_TOO_SMALL,
+        c"the buffer is shorter than palp_state_bytes says",
+    ),
+    (
+        PALP_UNKNOWN_JOINT,
+        c"a piece names a joint that a hand does not have",
+    ),
+    (
+        PALP_INSIDE_WORLD,
+        c"an array or buffer of the host reaches into the world's block",
+    ),
+    (
+        PALP_FULL_BODIES,
+        c"no room for the body: raise palp_capacities.bodies",
+    ),
+    (
+        PALP_FULL_PIECES,
+        c"no room for the piece: raise palp_capacities.pieces",
+    ),
+    (
+        PALP_FULL_VERTICES,
+        c"no room for the piece's vertices: raise palp_capacities.vertices",
+    ),
+    (
+        PALP_FULL_MATERIALS,
+        c"no room for the material: raise palp_capacities.materials",
+    ),
+];
+
+fn text(status: palp_status) -> &'static CStr {
+    TEXTS
+        .iter()
+        .find(|(known, _)| *known == status)
+        .map_or(c"unknown status", |(_, text)| text)
+}
+
+/// What a status means, in English. Never null; lasts as long as the library is loaded.
+#[unsafe(no_mangle)]
+pub extern "C" fn palp_status_text(status: palp_status) -> *const c_char {
+    text(status).as_ptr()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_status_has_one_number_and_one_text() {
+        let declared = include_str!("status.rs")
+            .lines()
+            .filter(|line| line.starts_with("pub const PALP_"))
+            .count();
+        assert_eq!(declared, TEXTS.len());
+        for (index, (number, text)) in TEXTS.iter().enumerate() {
+            assert!(!text.is_empty());
+            assert!(TEXTS[..index].iter().all(|(other, _)| other != number));
+        }
+    }
+
+    #[test]
+    fn a_number_without_meaning_has_a_text_too() {
+        assert_eq!(text(i32::MIN), c"unknown status");
+        assert_eq!(text(9999), c"unknown status");
+    }
+}

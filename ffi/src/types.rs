@@ -1,0 +1,489 @@
+//! The structs and numbers of the header, and what they are in the kernel.
+
+#![allow(non_camel_case_types, reason = "the names in C")]
+
+use core::mem::offset_of;
+
+use palpable_kernel::frame::{Budget, FrameInput, FrameReport};
+use palpable_kernel::limits::PIECE_VERTICES_MAX;
+use palpable_kernel::math::Pose;
+use palpable_kernel::memory::{BLOCK_ALIGNMENT, BodyId, Capacities, PieceId};
+use palpable_kernel::state::bodies::{Coupling, DrivenReport};
+use palpable_kernel::state::contacts::ContactPoint;
+use palpable_kernel::state::materials::Material;
+
+/// A world. Its handle is the address of the block it lies in, which is the host's memory: there is
+/// no call to destroy it, and a copy of the block at another address is a second world.
+pub struct palp_world {
+    _opaque: (),
+}
+
+/// Alignment of a world's block, in bytes.
+pub const PALP_BLOCK_ALIGNMENT: u32 = 64;
+/// Most points of a hull.
+pub const PALP_POINTS_MAX: u32 = 512;
+
+/// Three coordinates. The same in memory as `XrVector3f`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct palp_vec3 {
+    /// Right.
+    pub x: f32,
+    /// Up.
+    pub y: f32,
+    /// Backward.
+    pub z: f32,
+}
+
+/// A rotation. The same in memory as `XrQuaternionf`. Need not have unit length where the host gives
+/// it: lengths from 0.001 to 1000 are normalised.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct palp_quat {
+    /// First imaginary part.
+    pub x: f32,
+    /// Second imaginary part.
+    pub y: f32,
+    /// Third imaginary part.
+    pub z: f32,
+    /// Real part.
+    pub w: f32,
+}
+
+/// Where a thing is. 28 bytes, the same in memory as `XrPosef`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct palp_pose {
+    /// Orientation.
+    pub orientation: palp_quat,
+    /// Position in metres.
+    pub position: palp_vec3,
+}
+
+/// Names a body. All zeros is null. A stale id is refused.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct palp_body_id {
+    /// Index of the slot plus one; zero is null.
+    pub index1: u32,
+    /// How often the slot has been used.
+    pub generation: u32,
+}
+
+/// Names a piece. All zeros is null. A stale id is refused.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct palp_piece_id {
+    /// Index of the slot plus one; zero is null. `index1 - 1` is the index in `palp_piece_poses`.
+    pub index1: u32,
+    /// How often the slot has been used.
+    pub generation: u32,
+}
+
+/// How much of everything a world has room for. Start from `PALP_CAPACITIES_ROOM`, ship what
+/// `palp_high_water` says.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct palp_capacities {
+    /// `sizeof(palp_capacities)`.
+    pub struct_size: u32,
+    /// Bodies of all kinds.
+    pub bodies: u32,
+    /// Pieces of all bodies.
+    pub pieces: u32,
+    /// Vertices of all pieces: a point has 1, a segment 2, a box 8.
+    pub vertices: u32,
+    /// Pairs of pieces that may touch within one frame.
+    pub pairs: u32,
+    /// Contacts of loose bodies within one frame, and contacts that `palp_contacts` can give.
+    pub contacts: u32,
+    /// Materials that the host adds.
+    pub materials: u32,
+}
+
+/// Never moves; only `palp_body_place` moves it.
+pub const PALP_KIND_FIXED: u32 = 1;
+/// Moved by impulses and gravity.
+pub const PALP_KIND_DYNAMIC: u32 = 2;
+/// Follows a tracker, and never into a fixed body.
+pub const PALP_KIND_DRIVEN: u32 = 3;
+
+/// A detached body stays where contact holds it.
+pub const PALP_SNAP_NEVER: u32 = 0;
+/// A detached body jumps to its tracker as soon as nothing is in the way there.
+pub const PALP_SNAP_WHEN_FREE: u32 = 1;
+
+/// The spring between a tracker and a driven body. It carries only what contact forces: free motion
+/// does not lag.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct palp_coupling {
+    /// Mass in kg, above 0.
+    pub mass_kg: f32,
+    /// Stiffness in N/m, 0 or more.
+    pub stiffness_n_per_m: f32,
+    /// Damping in N s/m, 0 or more.
+    pub damping_n_s_per_m: f32,
+    /// How far body and tracker may be apart before the body counts as detached, in metres, above 0.
+    pub divergence_m: f32,
+    /// What happens then: `PALP_SNAP_NEVER` or `PALP_SNAP_WHEN_FREE`.
+    pub snap: u32,
+    /// How long a lost tracker's last target is kept before the body counts as lost, in seconds.
+    pub grace_s: f32,
+}
+
+/// What a body is made from. Start from `PALP_BODY_DEF_INIT`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct palp_body_def {
+    /// `sizeof(palp_body_def)`.
+    pub struct_size: u32,
+    /// `PALP_KIND_FIXED`, `PALP_KIND_DYNAMIC` or `PALP_KIND_DRIVEN`.
+    pub kind: u32,
+    /// Where it is.
+    pub pose: palp_pose,
+    /// The spring of a driven body; not looked at for others.
+    pub coupling: palp_coupling,
+}
+
+/// A point at the piece's origin: with the radius, a sphere.
+pub const PALP_SHAPE_POINT: u32 = 1;
+/// The segment from `a` to `b`: with the radius, a capsule.
+pub const PALP_SHAPE_SEGMENT: u32 = 2;
+/// A box with half extents `a`, centred; with a radius, rounded outward.
+pub const PALP_SHAPE_BOX: u32 = 3;
+/// The hull of `points`; with a radius, rounded outward.
+pub const PALP_SHAPE_HULL: u32 = 4;
+
+/// Built-in material: wood.
+pub const PALP_MATERIAL_WOOD: u32 = 0;
+/// Built-in material: skin.
+pub const PALP_MATERIAL_HUMAN: u32 = 1;
+/// Built-in material: metal.
+pub const PALP_MATERIAL_METAL: u32 = 2;
+
+/// What a piece is made from. Start from `PALP_PIECE_DEF_INIT`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct palp_piece_def {
+    /// `sizeof(palp_piece_def)`.
+    pub struct_size: u32,
+    /// One of the `PALP_SHAPE_` numbers.
+    pub shape: u32,
+    /// Points of a hull in metres, each three floats; read during the call only. Those inside the
+    /// hull are left out.
+    pub points: *const f32,
+    /// Number of points, 4 to `PALP_POINTS_MAX`.
+    pub point_count: u32,
+    /// Bytes from one point to the next, a multiple of 4; 0 stands for 12.
+    pub point_stride: u32,
+    /// One end of a segment, or half extents of a box, in metres.
+    pub a: palp_vec3,
+    /// Other end of a segment, in metres.
+    pub b: palp_vec3,
+    /// Rounding radius in metres, 0 or more.
+    pub radius_m: f32,
+    /// Density in kg/m3, above 0; looked at for dynamic bodies only.
+    pub density_kg_m3: f32,
+    /// A `PALP_MATERIAL_` number or one from `palp_material_add`.
+    pub material: u32,
+    /// Pose in the body's frame.
+    pub local_pose: palp_pose,
+}
+
+/// What a frame is given. Start from `PALP_FRAME_INPUT_INIT`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct palp_frame_input {
+    /// `sizeof(palp_frame_input)`.
+    pub struct_size: u32,
+    /// Time since the frame before, in seconds. Kept between 0.0001 and 0.1; not above zero is
+    /// refused.
+    pub dt_s: f32,
+    /// Work that may be spent on driven bodies; one unit is one distance query between two pieces.
+    pub advance_units: u32,
+    /// Work that may be spent on loose bodies, in the same units.
+    pub impulse_units: u32,
+}
+
+/// The time step was not a positive number: nothing moved.
+pub const PALP_FRAME_BAD_TIME_STEP: u32 = 1;
+/// The time step was clamped.
+pub const PALP_FRAME_TIME_STEP_CLAMPED: u32 = 2;
+/// A driven body's way was cut by the budget.
+pub const PALP_FRAME_CUT_ADVANCE: u32 = 4;
+/// Loose bodies were stopped early by the budget or by the bound on events.
+pub const PALP_FRAME_CUT_IMPULSES: u32 = 8;
+/// Pairs were left out and their movers held: raise `palp_capacities.pairs`.
+pub const PALP_FRAME_FULL_PAIRS: u32 = 16;
+/// Contacts were left out: raise `palp_capacities.contacts`.
+pub const PALP_FRAME_FULL_CONTACTS: u32 = 32;
+/// A driven body overlaps a fixed one where the host put it.
+pub const PALP_FRAME_OVERLAP: u32 = 64;
+
+/// What a frame did. Start from `PALP_FRAME_REPORT_INIT`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct palp_frame_report {
+    /// `sizeof(palp_frame_report)`.
+    pub struct_size: u32,
+    /// `PALP_FRAME_` bits.
+    pub flags: u32,
+    /// Frames stepped so far, this one included.
+    pub frame: u64,
+    /// Units spent on driven bodies.
+    pub advance_units: u32,
+    /// Units spent on loose bodies.
+    pub impulse_units: u32,
+    /// Contacts that `palp_contacts` gives.
+    pub contacts: u32,
+    /// Impulses applied.
+    pub impulses: u32,
+    /// Time by which loose bodies were stopped before the end of the frame, at most, in seconds.
+    pub lost_s: f32,
+    /// Zero.
+    pub reserved: u32,
+}
+
+/// Contact bent or ended the body's way.
+pub const PALP_DRIVEN_TOUCHING: u32 = 1;
+/// The body stayed exactly where it was.
+pub const PALP_DRIVEN_HELD: u32 = 2;
+/// The body is farther from its tracker than `palp_coupling.divergence_m`.
+pub const PALP_DRIVEN_DETACHED: u32 = 4;
+/// The tracker has been lost for longer than `palp_coupling.grace_s`.
+pub const PALP_DRIVEN_LOST: u32 = 8;
+/// The budget ended the body's way early; the rest follows next frame.
+pub const PALP_DRIVEN_CUT: u32 = 16;
+/// The host placed things so that the body overlaps a fixed one, and no way out was found yet.
+pub const PALP_DRIVEN_OVERLAPS: u32 = 32;
+/// A pool was full: the body stayed where it was.
+pub const PALP_DRIVEN_POOL_FULL: u32 = 64;
+
+/// What the last frame did to a driven body. Start from `PALP_DRIVEN_STATE_INIT`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct palp_driven_state {
+    /// `sizeof(palp_driven_state)`.
+    pub struct_size: u32,
+    /// `PALP_DRIVEN_` bits.
+    pub flags: u32,
+    /// How far contact holds the body from its target, in metres.
+    pub displacement_m: f32,
+    /// Force of the coupling on the hand, in newtons, in the world: the haptic signal.
+    pub force_n: palp_vec3,
+}
+
+/// A contact of the last frame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct palp_contact {
+    /// Piece of the driven or dynamic body.
+    pub piece_a: palp_piece_id,
+    /// Piece of the other body.
+    pub piece_b: palp_piece_id,
+    /// Midway between the surfaces, in the world, in metres.
+    pub point: palp_vec3,
+    /// From B into A, unit length.
+    pub normal: palp_vec3,
+    /// Distance of the surfaces in metres; negative is overlap.
+    pub gap_m: f32,
+    /// Impulse on A along the normal during the frame, in newton seconds; zero for driven against
+    /// fixed.
+    pub impulse_n_s: f32,
+}
+
+/// Joints of a hand in OpenXR: `XR_HAND_JOINT_COUNT_EXT`.
+pub const PALP_HAND_JOINTS: u32 = 26;
+
+impl palp_capacities {
+    pub(crate) const fn new(from: &Capacities) -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            bodies: from.bodies,
+            pieces: from.pieces,
+            vertices: from.vertices,
+            pairs: from.pairs,
+            contacts: from.contacts,
+            materials: from.materials,
+        }
+    }
+
+    pub(crate) const fn to_kernel(self) -> Capacities {
+        Capacities {
+            bodies: self.bodies,
+            pieces: self.pieces,
+            vertices: self.vertices,
+            pairs: self.pairs,
+            contacts: self.contacts,
+            materials: self.materials,
+        }
+    }
+}
+
+impl palp_vec3 {
+    pub(crate) const fn new([x, y, z]: [f32; 3]) -> Self {
+        Self { x, y, z }
+    }
+
+    pub(crate) const fn to_array(self) -> [f32; 3] {
+        [self.x, self.y, self.z]
+    }
+}
+
+impl palp_pose {
+    pub(crate) const IDENTITY: Self = Self::new(&Pose::IDENTITY);
+
+    pub(crate) const fn new(pose: &Pose) -> Self {
+        let [x, y, z, w] = pose.rotation;
+        Self {
+            orientation: palp_quat { x, y, z, w },
+            position: palp_vec3::new(pose.position),
+        }
+    }
+
+    pub(crate) const fn to_kernel(self) -> Pose {
+        let q = self.orientation;
+        Pose {
+            rotation: [q.x, q.y, q.z, q.w],
+            position: self.position.to_array(),
+        }
+    }
+}
+
+impl palp_coupling {
+    pub(crate) const DEFAULT: Self = {
+        let from = Coupling::DEFAULT;
+        Self {
+            mass_kg: from.mass_kg,
+            stiffness_n_per_m: from.stiffness_n_per_m,
+            damping_n_s_per_m: from.damping_n_s_per_m,
+            divergence_m: from.divergence_m,
+            snap: from.snap,
+            grace_s: from.grace_s,
+        }
+    };
+
+    pub(crate) const fn to_kernel(self) -> Coupling {
+        Coupling {
+            mass_kg: self.mass_kg,
+            stiffness_n_per_m: self.stiffness_n_per_m,
+            damping_n_s_per_m: self.damping_n_s_per_m,
+            divergence_m: self.divergence_m,
+            snap: self.snap,
+            grace_s: self.grace_s,
+        }
+    }
+}
+
+impl palp_frame_input {
+    pub(crate) const fn to_kernel(self) -> FrameInput {
+        FrameInput {
+            dt_s: self.dt_s,
+            budget: Budget {
+                advance_units: self.advance_units,
+                impulse_units: self.impulse_units,
+            },
+        }
+    }
+}
+
+impl palp_frame_report {
+    pub(crate) const fn new(from: &FrameReport) -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            flags: from.flags,
+            frame: from.frame,
+            advance_units: from.advance_units,
+            impulse_units: from.impulse_units,
+            contacts: from.contacts,
+            impulses: from.impulses,
+            lost_s: from.lost_s,
+            reserved: 0,
+        }
+    }
+}
+
+impl palp_driven_state {
+    pub(crate) const fn new(from: &DrivenReport) -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            flags: from.flags,
+            displacement_m: from.displacement_m,
+            force_n: palp_vec3::new(from.force_n),
+        }
+    }
+}
+
+impl palp_body_id {
+    pub(crate) const fn new(id: BodyId) -> Self {
+        Self {
+            index1: id.index1,
+            generation: id.generation,
+        }
+    }
+
+    pub(crate) const fn to_kernel(self) -> BodyId {
+        BodyId {
+            index1: self.index1,
+            generation: self.generation,
+        }
+    }
+}
+
+impl palp_piece_id {
+    pub(crate) const fn new(id: PieceId) -> Self {
+        Self {
+            index1: id.index1,
+            generation: id.generation,
+        }
+    }
+
+    pub(crate) const fn to_kernel(self) -> PieceId {
+        PieceId {
+            index1: self.index1,
+            generation: self.generation,
+        }
+    }
+}
+
+// Columns of the kernel are handed out as these types.
+const _: () = {
+    assert!(size_of::<palp_pose>() == 28 && size_of::<Pose>() == 28);
+    assert!(align_of::<palp_pose>() == align_of::<Pose>());
+    assert!(offset_of!(palp_pose, orientation) == offset_of!(Pose, rotation));
+    assert!(offset_of!(palp_pose, position) == offset_of!(Pose, position));
+    assert!(size_of::<palp_contact>() == size_of::<ContactPoint>());
+    assert!(align_of::<palp_contact>() == align_of::<ContactPoint>());
+    assert!(offset_of!(palp_contact, piece_a) == offset_of!(ContactPoint, piece_a));
+    assert!(offset_of!(palp_contact, piece_b) == offset_of!(ContactPoint, piece_b));
+    assert!(offset_of!(palp_contact, point) == offset_of!(ContactPoint, point));
+    assert!(offset_of!(palp_contact, normal) == offset_of!(ContactPoint, normal));
+    assert!(offset_of!(palp_contact, gap_m) == offset_of!(ContactPoint, gap_m));
+    assert!(offset_of!(palp_contact, impulse_n_s) == offset_of!(ContactPoint, impulse_n_s));
+};
+
+// Numbers that the header repeats.
+const _: () = {
+    assert!(PALP_BLOCK_ALIGNMENT as usize == BLOCK_ALIGNMENT);
+    assert!(PALP_POINTS_MAX as usize == PIECE_VERTICES_MAX);
+    assert!(PALP_SNAP_NEVER == Coupling::SNAP_NEVER);
+    assert!(PALP_SNAP_WHEN_FREE == Coupling::SNAP_WHEN_FREE);
+    assert!(PALP_MATERIAL_WOOD == Material::WOOD.0);
+    assert!(PALP_MATERIAL_HUMAN == Material::HUMAN.0);
+    assert!(PALP_MATERIAL_METAL == Material::METAL.0);
+    assert!(PALP_FRAME_BAD_TIME_STEP == FrameReport::BAD_TIME_STEP);
+    assert!(PALP_FRAME_TIME_STEP_CLAMPED == FrameReport::TIME_STEP_CLAMPED);
+    assert!(PALP_FRAME_CUT_ADVANCE == FrameReport::ADVANCE_CUT);
+    assert!(PALP_FRAME_CUT_IMPULSES == FrameReport::IMPULSES_CUT);
+    assert!(PALP_FRAME_FULL_PAIRS == FrameReport::FULL_PAIRS);
+    assert!(PALP_FRAME_FULL_CONTACTS == FrameReport::FULL_CONTACTS);
+    assert!(PALP_FRAME_OVERLAP == FrameReport::OVERLAP);
+    assert!(PALP_DRIVEN_TOUCHING == DrivenReport::TOUCHING);
+    assert!(PALP_DRIVEN_HELD == DrivenReport::HELD);
+    assert!(PALP_DRIVEN_DETACHED == DrivenReport::DETACHED);
+    assert!(PALP_DRIVEN_LOST == DrivenReport::LOST);
+    assert!(PALP_DRIVEN_CUT == DrivenReport::CUT);
+    assert!(PALP_DRIVEN_OVERLAPS == DrivenReport::OVERLAPS);
+    assert!(PALP_DRIVEN_POOL_FULL == DrivenReport::POOL_FULL);
+};

@@ -1,0 +1,144 @@
+//! The checked-in header is what `src/` says, and every C and C++ compiler can read it.
+//!
+//! `PALPABLE_UPDATE_HEADER=1 cargo test -p palpable-ffi --test header` writes it anew.
+
+mod common;
+
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+use common::{Compiler, Run, scratch};
+use palpable_kernel::memory::Capacities;
+use palpable_kernel::state::bodies::Coupling;
+use palpable_kernel::world::{PieceDef, Shape};
+
+fn package() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn header_path() -> PathBuf {
+    package().join("include/palpable.h")
+}
+
+/// A float as a C literal.
+fn literal(x: f32) -> String {
+    format!("{x:?}f")
+}
+
+/// Fills the kernel's own defaults into the initialisers of `cbindgen.toml`.
+fn with_defaults(text: &str) -> String {
+    let room = Capacities::ROOM;
+    let coupling = Coupling::DEFAULT;
+    let numbers = [
+        room.bodies,
+        room.pieces,
+        room.vertices,
+        room.pairs,
+        room.contacts,
+        room.materials,
+    ];
+    let spring = [
+        literal(coupling.mass_kg),
+        literal(coupling.stiffness_n_per_m),
+        literal(coupling.damping_n_s_per_m),
+        literal(coupling.divergence_m),
+        coupling.snap.to_string(),
+        literal(coupling.grace_s),
+    ];
+    let density = PieceDef::new(Shape::Point, 1.0).density_kg_m3;
+    text.replace("@ROOM@", &numbers.map(|n| n.to_string()).join(", "))
+        .replace("@COUPLING@", &spring.join(", "))
+        .replace("@DENSITY@", &literal(density))
+}
+
+fn generated() -> String {
+    let mut config = cbindgen::Config::from_file(package().join("cbindgen.toml")).unwrap();
+    config.trailer = config.trailer.as_deref().map(with_defaults);
+    let mut sources: Vec<_> = fs::read_dir(package().join("src"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|ext| ext == "rs"))
+        .collect();
+    sources.sort();
+    let builder = sources
+        .iter()
+        .fold(cbindgen::Builder::new().with_config(config), |b, source| {
+            b.with_src(source)
+        });
+    let mut text = Vec::new();
+    builder.generate().unwrap().write(&mut text);
+    String::from_utf8(text).unwrap()
+}
+
+#[test]
+fn the_checked_in_header_is_the_generated_one() {
+    let text = generated();
+    if env::var_os("PALPABLE_UPDATE_HEADER").is_some_and(|value| value == "1") {
+        fs::write(header_path(), &text).unwrap();
+    }
+    let checked_in = fs::read_to_string(header_path()).unwrap_or_default();
+    assert!(
+        checked_in == text,
+        "include/palpable.h is out of date: run PALPABLE_UPDATE_HEADER=1 cargo test -p palpable-ffi --test header"
+    );
+}
+
+#[test]
+fn every_export_is_in_the_header_and_has_a_comment() {
+    let header = fs::read_to_string(header_path()).unwrap();
+    for line in header
+        .lines()
+        .filter(|line| line.contains(" palp_") && line.contains('('))
+    {
+        assert!(!line.contains("Option"), "{line}");
+    }
+    let count = header.matches("*/\n").count();
+    assert!(count > 100, "only {count} comments");
+}
+
+/// Uses every initialiser, so that a field too many or too few is an error.
+const USES_ALL: &str = r"
+#include <palpable.h>
+#include <palpable.h>
+
+int use_all(void);
+int use_all(void) {
+    palp_pose pose = PALP_POSE_IDENTITY;
+    palp_capacities room = PALP_CAPACITIES_ROOM;
+    palp_coupling coupling = PALP_COUPLING_DEFAULT;
+    palp_body_def body = PALP_BODY_DEF_INIT;
+    palp_piece_def piece = PALP_PIECE_DEF_INIT;
+    palp_frame_input input = PALP_FRAME_INPUT_INIT;
+    palp_frame_report report = PALP_FRAME_REPORT_INIT;
+    palp_driven_state state = PALP_DRIVEN_STATE_INIT;
+    palp_body_id id = {0, 0};
+    palp_world *world = NULL;
+    void *memory = NULL;
+    return (int)(pose.position.x + coupling.grace_s) + (int)(body.kind + piece.shape) +
+           (int)(input.struct_size + report.flags + state.flags + id.index1) +
+           palp_world_create(memory, 0, &room, &world);
+}
+";
+
+fn compiles(compiler: Compiler, extension: &str) {
+    let source = scratch(&format!("header_alone.{extension}"));
+    fs::write(&source, USES_ALL).unwrap();
+    let object = source.with_extension(format!("{extension}.o"));
+    compiler
+        .command()
+        .arg("-c")
+        .arg(&source)
+        .arg("-o")
+        .arg(object)
+        .run_clean();
+}
+
+#[test]
+fn the_header_is_clean_c99() {
+    compiles(Compiler::C99, "c");
+}
+
+#[test]
+fn the_header_is_clean_cpp11() {
+    compiles(Compiler::Cpp11, "cpp");
+}
