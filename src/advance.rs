@@ -14,6 +14,7 @@ use glam::Vec3;
 
 use crate::contacts;
 use crate::frame::FrameReport;
+use crate::frame::budget::Purse;
 use crate::geometry::motion::{Track, interpolate};
 use crate::limits::{
     ADVANCE_UNITS_MAX, GAP_TOUCHING_M, LEGS_MAX, PAIR_MARGIN_M, ROUNDS_MAX, STILL_M,
@@ -39,31 +40,6 @@ struct Plan {
     bent: bool,
 }
 
-/// Units that may still be spent.
-pub(crate) struct Purse {
-    pub left: u32,
-    pub spent: u32,
-}
-
-impl Purse {
-    pub(crate) fn new(units: u32) -> Self {
-        Self {
-            left: units,
-            spent: 0,
-        }
-    }
-
-    /// Takes one unit; false when there is none left.
-    pub(crate) fn take(&mut self) -> bool {
-        if self.left == 0 {
-            return false;
-        }
-        self.left -= 1;
-        self.spent += 1;
-        true
-    }
-}
-
 /// Moves every driven body as far as its way is clear. Spends at most `units`, one for each
 /// distance query; what it spent.
 pub(crate) fn run(state: &mut State, units: u32, report: &mut FrameReport) -> u32 {
@@ -74,7 +50,7 @@ pub(crate) fn run(state: &mut State, units: u32, report: &mut FrameReport) -> u3
             let flags = advance(state, body, &mut purse);
             state.bodies.report[body].flags |= flags;
             report.flags |= frame_flags(flags);
-            left -= purse.spent;
+            left -= purse.spent();
         }
     }
     units - left
@@ -85,6 +61,7 @@ fn frame_flags(flags: u32) -> u32 {
     let says = |flag: u32, frame: u32| if flags & flag == 0 { 0 } else { frame };
     says(DrivenReport::CUT, FrameReport::ADVANCE_CUT)
         | says(DrivenReport::POOL_FULL, FrameReport::FULL_PAIRS)
+        | says(DrivenReport::CONTACTS_FULL, FrameReport::FULL_CONTACTS)
         | says(DrivenReport::OVERLAPS, FrameReport::OVERLAP)
 }
 
@@ -149,68 +126,131 @@ fn walk(
     wanted: Position,
     purse: &mut Purse,
 ) -> Result<u32, PairsFull> {
-    let mut at = start;
-    let mut count = pairs::collect_driven(state, body, &track(&at, &wanted))?;
-    if count == 0 {
+    let pairs = pairs::collect_driven(state, body, &track(&start, &wanted))?;
+    if pairs == 0 {
         push_leg(state, body, &start, &wanted, 1.0);
         return Ok(0);
     }
-    let mut covered = Cover::between(&at, &wanted);
-    let mut flags = 0;
-    let mut keep_turn = false;
-    let mut rounds = 0;
-    let measured = sweep::measure_touching(state, count, &at, purse);
-    if measured && sweep::overlaps(state, count) {
-        flags |= DrivenReport::OVERLAPS;
-        if let Some(out) = contacts::way_out(state, count, &at.root, purse) {
-            let goal = Position {
-                root: out,
-                local: at.local,
-            };
-            at = push_leg(state, body, &at, &goal, 1.0);
-            count = pairs::collect_driven(state, body, &track(&at, &wanted))?;
-            covered = Cover::between(&at, &wanted);
-        }
-    }
-    while (state.legs.count[body] as usize) < LEGS_MAX && rounds < ROUNDS_MAX {
-        rounds += 1;
-        if !sweep::measure_touching(state, count, &at, purse) {
-            flags |= DrivenReport::CUT;
+    let mut walk = Walk {
+        body,
+        at: start,
+        wanted,
+        pairs,
+        covered: Cover::between(&start, &wanted),
+        flags: 0,
+        keep_turn: false,
+    };
+    walk.leave_overlap(state, purse)?;
+    for _ in 0..ROUNDS_MAX {
+        let has_room = (state.legs.count[body] as usize) < LEGS_MAX;
+        if !has_room || walk.leg(state, purse)? == Next::Done {
             break;
         }
-        sweep::mark_touching(state, count);
-        let plan = slide::plan(state, count, &at, &wanted, keep_turn);
-        if !covered.holds(&at, &plan.goal) {
-            count = pairs::collect_driven(state, body, &track(&at, &plan.goal))?;
-            covered = Cover::between(&at, &plan.goal);
-            if !sweep::measure_touching(state, count, &at, purse) {
-                flags |= DrivenReport::CUT;
-                break;
+    }
+    if !sweep::record(state, walk.pairs) {
+        walk.flags |= DrivenReport::CONTACTS_FULL;
+    }
+    Ok(walk.flags | held(state, body))
+}
+
+/// A body on its way.
+struct Walk {
+    body: usize,
+    at: Position,
+    wanted: Position,
+    /// How many pairs there are, and the ways that they suffice for.
+    pairs: usize,
+    covered: Cover,
+    flags: u32,
+    /// The turn and the local poses were in the way at once: bend the translation alone.
+    keep_turn: bool,
+}
+
+/// Whether another leg may gain something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Next {
+    Leg,
+    Done,
+}
+
+impl Walk {
+    /// Gets out of overlap that the host made.
+    fn leave_overlap(&mut self, state: &mut State, purse: &mut Purse) -> Result<(), PairsFull> {
+        let measured = sweep::measure_touching(state, self.pairs, &self.at, purse);
+        if !measured || !sweep::overlaps(state, self.pairs) {
+            return Ok(());
+        }
+        self.flags |= DrivenReport::OVERLAPS;
+        if let Some(root) = contacts::way_out(state, self.pairs, &self.at.root, purse) {
+            let local = self.at.local;
+            self.at = push_leg(state, self.body, &self.at, &Position { root, local }, 1.0);
+            self.collect(state, &self.wanted.clone())?;
+        }
+        Ok(())
+    }
+
+    fn collect(&mut self, state: &mut State, goal: &Position) -> Result<(), PairsFull> {
+        self.pairs = pairs::collect_driven(state, self.body, &track(&self.at, goal))?;
+        self.covered = Cover::between(&self.at, goal);
+        Ok(())
+    }
+
+    /// Measures what touches where the body is; false when the units ran out.
+    fn measure(&mut self, state: &mut State, purse: &mut Purse) -> bool {
+        let measured = sweep::measure_touching(state, self.pairs, &self.at, purse);
+        if !measured {
+            self.flags |= DrivenReport::CUT;
+        }
+        measured
+    }
+
+    /// Plans a leg along the contacts and walks as much of it as is clear.
+    fn leg(&mut self, state: &mut State, purse: &mut Purse) -> Result<Next, PairsFull> {
+        if !self.measure(state, purse) {
+            return Ok(Next::Done);
+        }
+        sweep::mark_touching(state, self.pairs);
+        let plan = slide::plan(state, self.pairs, &self.at, &self.wanted, self.keep_turn);
+        if !self.covered.holds(&self.at, &plan.goal) {
+            self.collect(state, &plan.goal)?;
+            if !self.measure(state, purse) {
+                return Ok(Next::Done);
             }
         }
-        flags |= if plan.bent { DrivenReport::TOUCHING } else { 0 };
-        let leg = track(&at, &plan.goal);
-        let way = way_m(state, body, &leg);
-        if plan.bent && way < STILL_M {
-            break;
+        if plan.bent {
+            self.flags |= DrivenReport::TOUCHING;
         }
-        let swept = sweep::run(state, count, &leg, purse);
-        let ends_here = swept.reached >= 1.0 || swept.cut;
+        Ok(self.sweep(state, &plan, purse))
+    }
+
+    /// Walks a planned leg as far as it is clear and worth a step.
+    fn sweep(&mut self, state: &mut State, plan: &Plan, purse: &mut Purse) -> Next {
+        let leg = track(&self.at, &plan.goal);
+        let way = way_m(state, self.body, &leg);
+        if plan.bent && way < STILL_M {
+            return Next::Done;
+        }
+        let swept = sweep::run(state, self.pairs, &leg, purse);
         let taken = swept.reached >= 1.0 || swept.reached * way >= STILL_M;
         if taken {
-            at = push_leg(state, body, &at, &plan.goal, swept.reached);
+            self.at = push_leg(state, self.body, &self.at, &plan.goal, swept.reached);
         }
-        sweep::carry_over(state, count, &leg, if taken { swept.reached } else { 0.0 });
-        flags |= if swept.cut { DrivenReport::CUT } else { 0 };
-        if ends_here {
-            break;
+        sweep::carry_over(
+            state,
+            self.pairs,
+            &leg,
+            if taken { swept.reached } else { 0.0 },
+        );
+        if swept.cut {
+            self.flags |= DrivenReport::CUT;
         }
-        flags |= DrivenReport::TOUCHING;
-        // Blocked at once though the contacts' planes allowed the way: the turn itself is in the way.
-        keep_turn = !taken && plan.bent;
+        if swept.cut || swept.reached >= 1.0 {
+            return Next::Done;
+        }
+        self.flags |= DrivenReport::TOUCHING;
+        self.keep_turn = !taken && plan.bent;
+        Next::Leg
     }
-    sweep::record(state, count);
-    Ok(flags | held(state, body))
 }
 
 fn held(state: &State, body: usize) -> u32 {

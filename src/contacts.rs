@@ -8,7 +8,7 @@
 
 use arrayvec::ArrayVec;
 
-use crate::advance::Purse;
+use crate::frame::budget::Purse;
 use crate::geometry::separation::separation;
 use crate::geometry::union::{
     NODES_USUAL, UNION_PAIRS_MAX, UnionPair, UnionScratch, least_translation,

@@ -38,7 +38,7 @@ impl SpringMap {
     pub fn new(coupling: &Coupling, dt_s: f32) -> Self {
         let a = 0.5 * coupling.damping_n_s_per_m / coupling.mass_kg;
         let k = coupling.stiffness_n_per_m / coupling.mass_kg;
-        let (c, s) = damped_cos_sin(a, k - a * a, dt_s);
+        let (c, s) = damped_cos_sin(a, k, dt_s);
         Self {
             xx: c + a * s,
             xv: s,
@@ -52,8 +52,9 @@ impl SpringMap {
     }
 }
 
-/// e^-ah cos(wh) and e^-ah sin(wh)/w for w^2 of either sign.
-fn damped_cos_sin(a: f32, w_squared: f32, h: f32) -> (f32, f32) {
+/// e^-ah cos(wh) and e^-ah sin(wh)/w for w^2 = k - a^2 of either sign.
+fn damped_cos_sin(a: f32, k: f32, h: f32) -> (f32, f32) {
+    let w_squared = k - a * a;
     let z = w_squared * h * h;
     if z.abs() < 0.01 {
         // Two terms more than f32 can see.
@@ -67,7 +68,8 @@ fn damped_cos_sin(a: f32, w_squared: f32, h: f32) -> (f32, f32) {
         let decay = math::exp(-a * h);
         return (decay * math::cos(root), decay * h * math::sin(root) / root);
     }
-    let slow = math::exp(root - a * h);
+    // root - a h without its cancellation: (root^2 - (a h)^2) / (root + a h), and root^2 - (a h)^2 = -K/m h^2.
+    let slow = math::exp(-k * h * h / (root + a * h));
     let fast = math::exp(-root - a * h);
     (0.5 * (slow + fast), 0.5 * h * (slow - fast) / root)
 }
@@ -100,6 +102,8 @@ fn couple(state: &mut State, body: usize, dt_s: f32) {
         return;
     }
     let displacement = &mut bodies.displacement[body];
+    come_nearer(displacement, tracker);
+    tracker.previous = tracker.target;
     relax(displacement, &SpringMap::new(&coupling, dt_s));
     state.legs.wanted[body] = displaced(&tracker.target, displacement);
 }
@@ -117,6 +121,26 @@ fn age(tracker: &mut Tracker, coupling: &Coupling, dt_s: f32) -> u32 {
     } else {
         0
     }
+}
+
+/// Takes off the displacement what the tracker itself came nearer since the last frame. Without it a
+/// tracker that returns toward a body in contact would push the body ahead of it, off the surface.
+fn come_nearer(displacement: &mut Displacement, tracker: &Tracker) {
+    if displacement.is_zero() || tracker.target == tracker.previous {
+        return;
+    }
+    let (moved, turned) = displacement_of(&tracker.previous, &tracker.target);
+    displacement.offset = shortened(displacement.offset, moved);
+    displacement.rotation = shortened(displacement.rotation, turned);
+}
+
+/// `x` shortened by the part of `step` along it, to no less than zero.
+fn shortened(x: Vec3, step: Vec3) -> Vec3 {
+    let square = x.length_squared();
+    if square == 0.0 {
+        return x;
+    }
+    x * (1.0 - math::clamp(x.dot(step) / square, 0.0, 1.0))
 }
 
 /// Lets the spring pull for one time step; what has become negligible becomes exactly zero.

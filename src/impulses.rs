@@ -14,9 +14,9 @@ mod sweep;
 
 use glam::Vec3;
 
-use crate::advance::Purse;
 use crate::frame::FrameReport;
-use crate::limits::{EVENTS_MAX, SLEEP_S, STALLS_MAX, STILL_SPEED};
+use crate::frame::budget::Purse;
+use crate::limits::{EVENTS_MAX, IMPULSE_UNITS_MAX, SLEEP_S, STALLS_MAX, STILL_SPEED};
 use crate::math;
 use crate::pairs::is_body_of;
 use crate::state::State;
@@ -38,7 +38,7 @@ impl Stretch {
 
 /// Moves the loose bodies through the frame. Spends at most `units`.
 pub(crate) fn run(state: &mut State, dt_s: f32, units: u32, report: &mut FrameReport) {
-    let mut purse = Purse::new(units);
+    let mut purse = Purse::new(units.min(IMPULSE_UNITS_MAX));
     if !begin(state, dt_s) {
         return;
     }
@@ -70,7 +70,7 @@ pub(crate) fn run(state: &mut State, dt_s: f32, units: u32, report: &mut FrameRe
         report.lost_s = (1.0 - time) * dt_s;
     }
     finish(state, dt_s);
-    report.impulse_units = purse.spent;
+    report.impulse_units = purse.spent();
 }
 
 /// One event: solve, advance, move. The share of the frame that was reached; `None` when the units
@@ -81,12 +81,12 @@ fn event(
     purse: &mut Purse,
     report: &mut FrameReport,
 ) -> Option<f32> {
-    let count = sweep::collect(state, stretch)?;
+    let count = sweep::collect(state, stretch, report)?;
     let constraints = solve::gather(state, count, stretch, purse, report)?;
     report.impulses += patch::run(state, constraints);
     report.impulses += queue::run(state, constraints, purse);
     solve::record(state, constraints, report);
-    let count = sweep::collect(state, stretch)?;
+    let count = sweep::collect(state, stretch, report)?;
     let reached = sweep::run(state, count, stretch, purse);
     movers::advance_all(state, stretch, reached);
     Some(if reached >= 1.0 {
@@ -132,6 +132,7 @@ fn begin(state: &mut State, dt_s: f32) -> bool {
         }
         if state.bodies.momentum[body].asleep == 0 {
             state.bodies.momentum[body].velocity += kick;
+            movers::keep_sane(state, body);
             any_awake = true;
         }
     }

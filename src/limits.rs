@@ -26,9 +26,9 @@ pub const PIECE_LANES_MAX: usize = PIECE_VERTICES_MAX.div_ceil(LANE_WIDTH);
 /// Most contacts between one pair of pieces.
 pub const MANIFOLD_CONTACTS_MAX: usize = 4;
 
-/// The farthest a coordinate may be from the origin, in metres. Beyond it the spacing of f32
-/// (1 mm at 10 km) is coarser than any promise here.
-pub const WORLD_REACH_M: f32 = 1e4;
+/// The farthest a coordinate may be from the origin, in metres. Below it f32 coordinates are spaced by
+/// at most 0.061 mm, which the promised slop can still take; farther out it cannot.
+pub const WORLD_REACH_M: f32 = 1024.0;
 
 const _: () = assert!(PIECE_LANES_MAX * LANE_WIDTH == PIECE_VERTICES_MAX);
 const _: () = assert!(PIECE_LOOPS_MAX <= u16::MAX as usize);
@@ -69,6 +69,15 @@ pub const SLIDE_PLANES_MAX: usize = 32;
 
 /// Most units that one driven body may spend on its way through one frame.
 pub const ADVANCE_UNITS_MAX: u32 = 4096;
+
+/// Most units that the loose bodies may spend in one frame.
+pub const IMPULSE_UNITS_MAX: u32 = 16384;
+
+/// The fastest that a loose body moves, in m/s; faster ones are slowed to this.
+pub const SPEED_MAX: f32 = 1e3;
+
+/// The fastest that a loose body turns, in rad/s: half a turn in the shortest usual frame (1 ms).
+pub const SPIN_MAX: f32 = 3e3;
 
 /// Coordinates of a displacement smaller than this are no displacement, in metres or radians.
 pub const DISPLACEMENT_MIN: f32 = 1e-5;
@@ -130,3 +139,6 @@ const _: () = assert!(GAP_REST_M < LOOSE_REST_M && LOOSE_REST_M < LOOSE_MARGIN_M
 
 /// Most plans of one driven body's way through one frame; those that gain nothing add no leg.
 pub const ROUNDS_MAX: u32 = 2 * LEGS_MAX as u32;
+
+/// The farthest a vertex may be from its piece's origin, in metres.
+pub const PIECE_REACH_M: f32 = 1e4;

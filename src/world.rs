@@ -13,6 +13,7 @@ pub use pieces::{AddPieceError, PieceDef, Shape};
 use glam::Vec3;
 
 use crate::frame::{self, FrameInput, FrameReport};
+use crate::limits::SPEED_MAX;
 use crate::memory::header::{self, Header};
 use crate::memory::{AttachError, Capacities, CreateError};
 use crate::state::State;
@@ -86,10 +87,12 @@ impl<'a> World<'a> {
         self.state.registers.high_water
     }
 
-    /// Sets the acceleration of loose bodies, in m/s2. What is not finite is left out.
+    /// Sets the acceleration of loose bodies, in m/s2. What is not finite, or has a coordinate beyond
+    /// [`SPEED_MAX`] a second, is left out.
     pub fn set_gravity(&mut self, gravity: [f32; 3]) {
         let gravity = Vec3::from_array(gravity);
-        if gravity.is_finite() {
+        let limit = Vec3::splat(SPEED_MAX);
+        if gravity.abs().cmple(limit).all() {
             self.state.registers.gravity = gravity;
         }
     }

@@ -357,7 +357,7 @@ fn bad_numbers_of_velocities_surfaces_and_couplings_are_refused() {
             for (linear, angular) in [(spoiled, [0.0; 3]), ([0.0; 3], spoiled)] {
                 assert_eq!(
                     world.set_velocity(loose, linear, angular),
-                    Err(BodyError::BadPose)
+                    Err(BodyError::BadVelocity)
                 );
             }
             world.set_gravity(spoiled);

@@ -5,7 +5,7 @@ mod common;
 
 use common::{Block, add_box, add_piece};
 use palpable::frame::FrameInput;
-use palpable::limits::{OVERLAP_SLOP_M, PIECE_VERTICES_MAX, WORLD_REACH_M};
+use palpable::limits::{OVERLAP_SLOP_M, PIECE_REACH_M, PIECE_VERTICES_MAX};
 use palpable::math::Pose;
 use palpable::memory::{BodyId, Capacities};
 use palpable::state::bodies::BodyKind;
@@ -121,7 +121,7 @@ fn numbers_that_are_none_are_not_finite() {
 
 #[test]
 fn what_is_beyond_the_world_is_too_large() {
-    let far = 1.001 * WORLD_REACH_M;
+    let far = 1.001 * PIECE_REACH_M;
     let points = octahedron(far);
     for def in [
         PieceDef::new(Shape::Hull(&points), 0.0),

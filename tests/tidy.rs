@@ -22,7 +22,7 @@ const BETWEEN_STAGES: &[(&str, &str, &str)] = &[
     // Measuring pairs is a question about geometry.
     ("advance", "contacts", "measures its pairs for each leg"),
     // Units are the frame's.
-    ("impulses", "advance", "shares the purse of units"),
+    ("contacts", "frame", "spends from the purse"),
     // Where a leg is at a time is a question about state.
     (
         "impulses",

@@ -40,6 +40,37 @@
 #define PALP_ABI 1
 #define palp_world_create palp_world_create_abi1
 
+/** No rotation, no translation. */
+#define PALP_POSE_IDENTITY { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } }
+
+/** Room for one hand of 18 parts, a furnished room and a few loose objects. */
+#define PALP_CAPACITIES_ROOM \
+    { (uint32_t)sizeof(palp_capacities), 64, 256, 4096, 1024, 256, 8 }
+
+/** Critically damped, settles in about 0.1 s, detached beyond 0.3 m. */
+#define PALP_COUPLING_DEFAULT { 0.4f, 1000.0f, 40.0f, 0.3f, 0, 0.1f }
+
+/** A fixed body at the origin. */
+#define PALP_BODY_DEF_INIT \
+    { (uint32_t)sizeof(palp_body_def), PALP_KIND_FIXED, PALP_POSE_IDENTITY, PALP_COUPLING_DEFAULT }
+
+/** A wooden piece in the body's own frame, its shape not yet set. */
+#define PALP_PIECE_DEF_INIT \
+    { (uint32_t)sizeof(palp_piece_def), 0, NULL, 0, 0, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }, \
+      0.0f, 700.0f, PALP_MATERIAL_WOOD, PALP_POSE_IDENTITY }
+
+/** A frame of 1/60 s with an unlimited budget. */
+#define PALP_FRAME_INPUT_INIT \
+    { (uint32_t)sizeof(palp_frame_input), 1.0f / 60.0f, UINT32_MAX, UINT32_MAX }
+
+/** Empty, to be filled in by `palp_frame_step`. */
+#define PALP_FRAME_REPORT_INIT \
+    { (uint32_t)sizeof(palp_frame_report), 0, 0, 0, 0, 0, 0, 0.0f, 0 }
+
+/** Empty, to be filled in by `palp_driven_report`. */
+#define PALP_DRIVEN_STATE_INIT \
+    { (uint32_t)sizeof(palp_driven_state), 0, 0.0f, { 0.0f, 0.0f, 0.0f } }
+
 /**
  * Alignment of a world's block, in bytes.
  */
@@ -198,6 +229,59 @@ typedef struct palp_world palp_world;
 typedef int32_t palp_status;
 
 /**
+ * How much of everything a world has room for. Start from `PALP_CAPACITIES_ROOM`, ship what
+ * `palp_high_water` says.
+ */
+typedef struct palp_capacities {
+    /**
+     * `sizeof(palp_capacities)`.
+     */
+    uint32_t struct_size;
+    /**
+     * Bodies of all kinds.
+     */
+    uint32_t bodies;
+    /**
+     * Pieces of all bodies.
+     */
+    uint32_t pieces;
+    /**
+     * Vertices of all pieces: a point has 1, a segment 2, a box 8.
+     */
+    uint32_t vertices;
+    /**
+     * Pairs of pieces that may touch within one frame.
+     */
+    uint32_t pairs;
+    /**
+     * Contacts of loose bodies within one frame, and contacts that `palp_contacts` can give.
+     */
+    uint32_t contacts;
+    /**
+     * Materials that the host adds.
+     */
+    uint32_t materials;
+} palp_capacities;
+
+/**
+ * Three coordinates. The same in memory as `XrVector3f`.
+ */
+typedef struct palp_vec3 {
+    /**
+     * Right.
+     */
+    float x;
+    /**
+     * Up.
+     */
+    float y;
+    /**
+     * Backward.
+     */
+    float z;
+} palp_vec3;
+
+/**
  * A rotation. The same in memory as `XrQuaternionf`. Need not have unit length where the host gives
  * it: lengths from 0.001 to 1000 are normalised.
  */
@@ -219,24 +303,6 @@ typedef struct palp_quat {
      */
     float w;
 } palp_quat;
-
-/**
- * Three coordinates. The same in memory as `XrVector3f`.
- */
-typedef struct palp_vec3 {
-    /**
-     * Right.
-     */
-    float x;
-    /**
-     * Up.
-     */
-    float y;
-    /**
-     * Backward.
-     */
-    float z;
-} palp_vec3;
 
 /**
  * Where a thing is. 28 bytes, the same in memory as `XrPosef`.
@@ -342,6 +408,57 @@ typedef struct palp_driven_state {
 } palp_driven_state;
 
 /**
+ * What a piece is made from. Start from `PALP_PIECE_DEF_INIT`.
+ */
+typedef struct palp_piece_def {
+    /**
+     * `sizeof(palp_piece_def)`.
+     */
+    uint32_t struct_size;
+    /**
+     * One of the `PALP_SHAPE_` numbers.
+     */
+    uint32_t shape;
+    /**
+     * Points of a hull in metres, each three floats; read during the call only. Those inside the
+     * hull are left out.
+     */
+    const float *points;
+    /**
+     * Number of points, 4 to `PALP_POINTS_MAX`.
+     */
+    uint32_t point_count;
+    /**
+     * Bytes from one point to the next, a multiple of 4; 0 stands for 12.
+     */
+    uint32_t point_stride;
+    /**
+     * One end of a segment, or half extents of a box, in metres.
+     */
+    struct palp_vec3 a;
+    /**
+     * Other end of a segment, in metres.
+     */
+    struct palp_vec3 b;
+    /**
+     * Rounding radius in metres, 0 or more.
+     */
+    float radius_m;
+    /**
+     * Density in kg/m3, above 0; looked at for dynamic bodies only.
+     */
+    float density_kg_m3;
+    /**
+     * A `PALP_MATERIAL_` number or one from `palp_material_add`.
+     */
+    uint32_t material;
+    /**
+     * Pose in the body's frame.
+     */
+    struct palp_pose local_pose;
+} palp_piece_def;
+
+/**
  * Names a piece. All zeros is null. A stale id is refused.
  */
 typedef struct palp_piece_id {
@@ -354,37 +471,6 @@ typedef struct palp_piece_id {
      */
     uint32_t generation;
 } palp_piece_id;
-
-/**
- * A contact of the last frame.
- */
-typedef struct palp_contact {
-    /**
-     * Piece of the driven or dynamic body.
-     */
-    struct palp_piece_id piece_a;
-    /**
-     * Piece of the other body.
-     */
-    struct palp_piece_id piece_b;
-    /**
-     * Midway between the surfaces, in the world, in metres.
-     */
-    struct palp_vec3 point;
-    /**
-     * From B into A, unit length.
-     */
-    struct palp_vec3 normal;
-    /**
-     * Distance of the surfaces in metres; negative is overlap.
-     */
-    float gap_m;
-    /**
-     * Impulse on A along the normal during the frame, in newton seconds; zero for driven against
-     * fixed.
-     */
-    float impulse_n_s;
-} palp_contact;
 
 /**
  * What a frame is given. Start from `PALP_FRAME_INPUT_INIT`.
@@ -452,90 +538,35 @@ typedef struct palp_frame_report {
 } palp_frame_report;
 
 /**
- * What a piece is made from. Start from `PALP_PIECE_DEF_INIT`.
+ * A contact of the last frame.
  */
-typedef struct palp_piece_def {
+typedef struct palp_contact {
     /**
-     * `sizeof(palp_piece_def)`.
+     * Piece of the driven or dynamic body.
      */
-    uint32_t struct_size;
+    struct palp_piece_id piece_a;
     /**
-     * One of the `PALP_SHAPE_` numbers.
+     * Piece of the other body.
      */
-    uint32_t shape;
+    struct palp_piece_id piece_b;
     /**
-     * Points of a hull in metres, each three floats; read during the call only. Those inside the
-     * hull are left out.
+     * Midway between the surfaces, in the world, in metres.
      */
-    const float *points;
+    struct palp_vec3 point;
     /**
-     * Number of points, 4 to `PALP_POINTS_MAX`.
+     * From B into A, unit length.
      */
-    uint32_t point_count;
+    struct palp_vec3 normal;
     /**
-     * Bytes from one point to the next, a multiple of 4; 0 stands for 12.
+     * Distance of the surfaces in metres; negative is overlap.
      */
-    uint32_t point_stride;
+    float gap_m;
     /**
-     * One end of a segment, or half extents of a box, in metres.
+     * Impulse on A along the normal during the frame, in newton seconds; zero for driven against
+     * fixed.
      */
-    struct palp_vec3 a;
-    /**
-     * Other end of a segment, in metres.
-     */
-    struct palp_vec3 b;
-    /**
-     * Rounding radius in metres, 0 or more.
-     */
-    float radius_m;
-    /**
-     * Density in kg/m3, above 0; looked at for dynamic bodies only.
-     */
-    float density_kg_m3;
-    /**
-     * A `PALP_MATERIAL_` number or one from `palp_material_add`.
-     */
-    uint32_t material;
-    /**
-     * Pose in the body's frame.
-     */
-    struct palp_pose local_pose;
-} palp_piece_def;
-
-/**
- * How much of everything a world has room for. Start from `PALP_CAPACITIES_ROOM`, ship what
- * `palp_high_water` says.
- */
-typedef struct palp_capacities {
-    /**
-     * `sizeof(palp_capacities)`.
-     */
-    uint32_t struct_size;
-    /**
-     * Bodies of all kinds.
-     */
-    uint32_t bodies;
-    /**
-     * Pieces of all bodies.
-     */
-    uint32_t pieces;
-    /**
-     * Vertices of all pieces: a point has 1, a segment 2, a box 8.
-     */
-    uint32_t vertices;
-    /**
-     * Pairs of pieces that may touch within one frame.
-     */
-    uint32_t pairs;
-    /**
-     * Contacts of loose bodies within one frame, and contacts that `palp_contacts` can give.
-     */
-    uint32_t contacts;
-    /**
-     * Materials that the host adds.
-     */
-    uint32_t materials;
-} palp_capacities;
+    float impulse_n_s;
+} palp_contact;
 
 /**
  * Done.
@@ -650,7 +681,7 @@ typedef struct palp_capacities {
 #define PALP_WRONG_KIND -13
 
 /**
- * A pose or velocity is not finite, farther than 10 km from the origin, or without orientation.
+ * A pose is not finite, farther than 10 km from the origin, or without orientation.
  */
 #define PALP_BAD_POSE -14
 
@@ -750,11 +781,82 @@ typedef struct palp_capacities {
  */
 #define PALP_FULL_MATERIALS -33
 
+/**
+ * A velocity is not finite or too fast.
+ */
+#define PALP_BAD_VELOCITY -34
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
 
 /**
+ * What a status means, in English. Never null; lasts as long as the library is loaded.
+ */
+const char *palp_status_text(palp_status status);
+
+/**
+ * The library's version, such as "0.1.0". Never null; lasts as long as the library is loaded.
+ */
+const char *palp_version(void);
+
+/**
+ * Room for one hand of 18 parts, a furnished room and a few loose objects: what
+ * `PALP_CAPACITIES_ROOM` is at compile time. `capacities->struct_size` is set by the host.
+ */
+palp_status palp_capacities_room(struct palp_capacities *capacities);
+
+/**
+ * Bytes of the block that a world with these capacities needs. 0 when they are refused: null, a
+ * wrong `struct_size`, or a capacity beyond what any world may have.
+ */
+size_t palp_memory_bytes(const struct palp_capacities *capacities);
+
+/**
+ * Makes an empty world in `memory`, which holds `bytes` bytes, aligned to `PALP_BLOCK_ALIGNMENT`.
+ * What they held before does not matter. The memory stays the host's: it must outlive the last call
+ * with the handle, and is freed when the world is no longer wanted.
+ *
+ * Call it as `palp_world_create`: the number in the symbol is `PALP_ABI`, so that a program built
+ * with another header does not link.
+ */
+palp_status palp_world_create_abi1(void *memory,
+                                   size_t bytes,
+                                   const struct palp_capacities *capacities,
+                                   struct palp_world **world);
+
+/**
+ * Takes up a world that was made in `memory`, or copied there, checking that `bytes` bytes hold it.
+ */
+palp_status palp_world_attach(void *memory, size_t bytes, struct palp_world **world);
+
+/**
+ * The most that was ever in use at once: what to ship as capacities.
+ * `capacities->struct_size` is set by the host.
+ */
+palp_status palp_high_water(const struct palp_world *world, struct palp_capacities *capacities);
+
+/**
+ * Sets the acceleration of loose bodies, in m/s2. A new world has 0, -9.81, 0.
+ */
+palp_status palp_gravity_set(struct palp_world *world, const struct palp_vec3 *gravity_m_s2);
+
+/**
+ * Adds a material, without friction or restitution against any other.
+ */
+palp_status palp_material_add(struct palp_world *world, uint32_t *material);
+
+/**
+ * Sets how two materials meet, in either order: restitution is speed after an impact over speed
+ * before, 0 to 1; friction is Coulomb's coefficient, 0 or more.
+ */
+palp_status palp_surface_set(struct palp_world *world,
+                             uint32_t material_a,
+                             uint32_t material_b,
+                             float restitution,
+                             float friction);
+
+/**
  * Adds a body without pieces.
  */
 palp_status palp_body_add(struct palp_world *world,
@@ -833,21 +935,33 @@ palp_status palp_driven_report(const struct palp_world *world,
                                struct palp_driven_state *state);
 
 /**
- * The contacts of the last frame. The array lies in the world's block and is good until the next call
- * that changes the world.
+ * Adds a piece to a body, behind those it has. Uses up to 1 MB of stack while it builds a hull.
  */
-palp_status palp_contacts(const struct palp_world *world,
-                          const struct palp_contact **contacts,
-                          uint32_t *count);
+palp_status palp_piece_add(struct palp_world *world,
+                           struct palp_body_id body,
+                           const struct palp_piece_def *def,
+                           struct palp_piece_id *piece);
 
 /**
- * Steps the world by one frame, spending at most the input's units. Several things may have been cut;
- * the status is the gravest of them (overlap, pairs, contacts, advance, impulses, time step), the
- * report has them all. `report->struct_size` is set by the host; `report` may be null.
+ * Removes a piece. Costs one pass over all pieces' vertices.
  */
-palp_status palp_frame_step(struct palp_world *world,
-                            const struct palp_frame_input *input,
-                            struct palp_frame_report *report);
+palp_status palp_piece_remove(struct palp_world *world, struct palp_piece_id piece);
+
+/**
+ * The published pose of a piece in the world.
+ */
+palp_status palp_piece_pose(const struct palp_world *world,
+                            struct palp_piece_id piece,
+                            struct palp_pose *pose);
+
+/**
+ * The published poses of all piece slots in the world: entry `index1 - 1` is that of a piece's id;
+ * slots not in use hold anything. The array lies in the world's block and is good until the next call
+ * that changes the world. `count` may be null.
+ */
+palp_status palp_piece_poses(const struct palp_world *world,
+                             const struct palp_pose **poses,
+                             uint32_t *count);
 
 /**
  * Tells where a hand tracker sees the 26 joints of a hand that is a driven body: the wrist becomes the
@@ -879,82 +993,13 @@ palp_status palp_hand_set_joints(struct palp_world *world,
                                  uint32_t *pieces_kept);
 
 /**
- * Adds a body without pieces.
+ * Steps the world by one frame, spending at most the input's units. Several things may have been cut;
+ * the status is the gravest of them (overlap, pairs, contacts, advance, impulses, time step), the
+ * report has them all. `report->struct_size` is set by the host; `report` may be null.
  */
-palp_status palp_body_add(struct palp_world *world,
-                          const struct palp_body_def *def,
-                          struct palp_body_id *body);
-
-/**
- * Removes a body and its pieces. Costs one pass over all pieces' vertices for each of its pieces.
- */
-palp_status palp_body_remove(struct palp_world *world, struct palp_body_id body);
-
-/**
- * Puts a body elsewhere at once, without a way there. A driven body forgets its displacement, a
- * dynamic one keeps its velocity. Overlap made so is reported by the next frame and never gets
- * deeper.
- */
-palp_status palp_body_place(struct palp_world *world,
-                            struct palp_body_id body,
-                            const struct palp_pose *pose);
-
-/**
- * Sets the velocity of a dynamic body's centre of mass in m/s and its angular velocity in rad/s,
- * both in the world, and wakes it.
- */
-palp_status palp_body_set_velocity(struct palp_world *world,
-                                   struct palp_body_id body,
-                                   const struct palp_vec3 *linear_m_s,
-                                   const struct palp_vec3 *angular_rad_s);
-
-/**
- * The velocity of a dynamic body's centre of mass in m/s and its angular velocity in rad/s, both in
- * the world. Either pointer may be null.
- */
-palp_status palp_body_velocity(const struct palp_world *world,
-                               struct palp_body_id body,
-                               struct palp_vec3 *linear_m_s,
-                               struct palp_vec3 *angular_rad_s);
-
-/**
- * The mass of a dynamic body in kg.
- */
-palp_status palp_body_mass(const struct palp_world *world,
-                           struct palp_body_id body,
-                           float *mass_kg);
-
-/**
- * Tells where a driven body's tracker is. Call it every frame: a frame without it, or with one that
- * is refused, counts the tracker as lost and keeps the last target.
- */
-palp_status palp_body_set_target(struct palp_world *world,
-                                 struct palp_body_id body,
-                                 const struct palp_pose *target);
-
-/**
- * Tells where a driven body's pieces are to be in its frame, in the order they were added: the
- * fingers of a tracked hand. They move there over the frame, as far as contact allows. Refused as a
- * whole when `count` is not the number of pieces or any pose is bad.
- */
-palp_status palp_body_set_piece_targets(struct palp_world *world,
-                                        struct palp_body_id body,
-                                        const struct palp_pose *poses,
-                                        uint32_t count);
-
-/**
- * The published pose of a body.
- */
-palp_status palp_body_pose(const struct palp_world *world,
-                           struct palp_body_id body,
-                           struct palp_pose *pose);
-
-/**
- * What the last frame did to a driven body. `state->struct_size` is set by the host.
- */
-palp_status palp_driven_report(const struct palp_world *world,
-                               struct palp_body_id body,
-                               struct palp_driven_state *state);
+palp_status palp_frame_step(struct palp_world *world,
+                            const struct palp_frame_input *input,
+                            struct palp_frame_report *report);
 
 /**
  * The contacts of the last frame. The array lies in the world's block and is good until the next call
@@ -965,88 +1010,6 @@ palp_status palp_contacts(const struct palp_world *world,
                           uint32_t *count);
 
 /**
- * Steps the world by one frame, spending at most the input's units. Several things may have been cut;
- * the status is the gravest of them (overlap, pairs, contacts, advance, impulses, time step), the
- * report has them all. `report->struct_size` is set by the host; `report` may be null.
- */
-palp_status palp_frame_step(struct palp_world *world,
-                            const struct palp_frame_input *input,
-                            struct palp_frame_report *report);
-
-/**
- * Tells where a hand tracker sees the 26 joints of a hand that is a driven body: the wrist becomes the
- * body's target, and each piece's target in the body's frame is its joint seen from the wrist, then
- * its offset. Instead of `palp_body_set_target` and `palp_body_set_piece_targets`; call it every frame
- * in which `XrHandJointLocationsEXT.isActive` is true.
- *
- * `locations` is an `XrHandJointLocationEXT[26]` as `xrLocateHandJointsEXT` filled it, of any
- * alignment, `stride` bytes from one joint to the next; 0 stands for 40. `piece_joints` has the number
- * of the joint that carries each piece, in the order the pieces were added, 0 to 25, and
- * `piece_offsets` each piece's pose on that joint; null when all pieces lie on their joints as they
- * are. `count` is the number of pieces. A joint farther than `reach_m` metres from the wrist is not
- * believed; 0.5 suits a hand of human size.
- *
- * Flags are checked and not trusted. A joint whose orientation or position is not flagged as valid,
- * not finite, without length or out of reach is ignored: its pieces keep their last targets, and the
- * status is `PALP_JOINTS_IGNORED`. When the wrist is like that, nothing is set, the next frame counts
- * the tracker as lost, and the status is `PALP_TRACKING_LOST`. `pieces_kept`, which may be null, gets
- * the number of pieces that keep their last targets.
- */
-palp_status palp_hand_set_joints(struct palp_world *world,
-                                 struct palp_body_id body,
-                                 const void *locations,
-                                 uint32_t stride,
-                                 const struct palp_pose *piece_offsets,
-                                 const uint32_t *piece_joints,
-                                 uint32_t count,
-                                 float reach_m,
-                                 uint32_t *pieces_kept);
-
-/**
- * Adds a material, without friction or restitution against any other.
- */
-palp_status palp_material_add(struct palp_world *world, uint32_t *material);
-
-/**
- * Sets how two materials meet, in either order: restitution is speed after an impact over speed
- * before, 0 to 1; friction is Coulomb's coefficient, 0 or more.
- */
-palp_status palp_surface_set(struct palp_world *world,
-                             uint32_t material_a,
-                             uint32_t material_b,
-                             float restitution,
-                             float friction);
-
-/**
- * Adds a piece to a body, behind those it has. Uses up to 1 MB of stack while it builds a hull.
- */
-palp_status palp_piece_add(struct palp_world *world,
-                           struct palp_body_id body,
-                           const struct palp_piece_def *def,
-                           struct palp_piece_id *piece);
-
-/**
- * Removes a piece. Costs one pass over all pieces' vertices.
- */
-palp_status palp_piece_remove(struct palp_world *world, struct palp_piece_id piece);
-
-/**
- * The published pose of a piece in the world.
- */
-palp_status palp_piece_pose(const struct palp_world *world,
-                            struct palp_piece_id piece,
-                            struct palp_pose *pose);
-
-/**
- * The published poses of all piece slots in the world: entry `index1 - 1` is that of a piece's id;
- * slots not in use hold anything. The array lies in the world's block and is good until the next call
- * that changes the world. `count` may be null.
- */
-palp_status palp_piece_poses(const struct palp_world *world,
-                             const struct palp_pose **poses,
-                             uint32_t *count);
-
-/**
  * Bytes that `palp_state_save` writes: the same for a world's whole life.
  */
 palp_status palp_state_bytes(const struct palp_world *world, size_t *bytes);
@@ -1070,211 +1033,9 @@ palp_status palp_state_load(struct palp_world *world, const void *buffer, size_t
  * forgery.
  */
 palp_status palp_state_hash(const struct palp_world *world, uint64_t *hash);
-
-/**
- * What a status means, in English. Never null; lasts as long as the library is loaded.
- */
-const char *palp_status_text(palp_status status);
-
-/**
- * The library's version, such as "0.1.0". Never null; lasts as long as the library is loaded.
- */
-const char *palp_version(void);
-
-/**
- * Room for one hand of 18 parts, a furnished room and a few loose objects: what
- * `PALP_CAPACITIES_ROOM` is at compile time. `capacities->struct_size` is set by the host.
- */
-palp_status palp_capacities_room(struct palp_capacities *capacities);
-
-/**
- * Bytes of the block that a world with these capacities needs. 0 when they are refused: null, a
- * wrong `struct_size`, or a capacity beyond what any world may have.
- */
-size_t palp_memory_bytes(const struct palp_capacities *capacities);
-
-/**
- * Makes an empty world in `memory`, which holds `bytes` bytes, aligned to `PALP_BLOCK_ALIGNMENT`.
- * What they held before does not matter. The memory stays the host's: it must outlive the last call
- * with the handle, and is freed when the world is no longer wanted.
- *
- * Call it as `palp_world_create`: the number in the symbol is `PALP_ABI`, so that a program built
- * with another header does not link.
- */
-palp_status palp_world_create_abi1(void *memory,
-                                   size_t bytes,
-                                   const struct palp_capacities *capacities,
-                                   struct palp_world **world);
-
-/**
- * Takes up a world that was made in `memory`, or copied there, checking that `bytes` bytes hold it.
- */
-palp_status palp_world_attach(void *memory, size_t bytes, struct palp_world **world);
-
-/**
- * The most that was ever in use at once: what to ship as capacities.
- * `capacities->struct_size` is set by the host.
- */
-palp_status palp_high_water(const struct palp_world *world, struct palp_capacities *capacities);
-
-/**
- * Sets the acceleration of loose bodies, in m/s2. A new world has 0, -9.81, 0.
- */
-palp_status palp_gravity_set(struct palp_world *world, const struct palp_vec3 *gravity_m_s2);
-
-/**
- * Adds a material, without friction or restitution against any other.
- */
-palp_status palp_material_add(struct palp_world *world, uint32_t *material);
-
-/**
- * Sets how two materials meet, in either order: restitution is speed after an impact over speed
- * before, 0 to 1; friction is Coulomb's coefficient, 0 or more.
- */
-palp_status palp_surface_set(struct palp_world *world,
-                             uint32_t material_a,
-                             uint32_t material_b,
-                             float restitution,
-                             float friction);
-
-/**
- * Adds a piece to a body, behind those it has. Uses up to 1 MB of stack while it builds a hull.
- */
-palp_status palp_piece_add(struct palp_world *world,
-                           struct palp_body_id body,
-                           const struct palp_piece_def *def,
-                           struct palp_piece_id *piece);
-
-/**
- * Removes a piece. Costs one pass over all pieces' vertices.
- */
-palp_status palp_piece_remove(struct palp_world *world, struct palp_piece_id piece);
-
-/**
- * The published pose of a piece in the world.
- */
-palp_status palp_piece_pose(const struct palp_world *world,
-                            struct palp_piece_id piece,
-                            struct palp_pose *pose);
-
-/**
- * The published poses of all piece slots in the world: entry `index1 - 1` is that of a piece's id;
- * slots not in use hold anything. The array lies in the world's block and is good until the next call
- * that changes the world. `count` may be null.
- */
-palp_status palp_piece_poses(const struct palp_world *world,
-                             const struct palp_pose **poses,
-                             uint32_t *count);
-
-/**
- * Bytes that `palp_state_save` writes: the same for a world's whole life.
- */
-palp_status palp_state_bytes(const struct palp_world *world, size_t *bytes);
-
-/**
- * Copies the state into a buffer of `bytes` bytes of any alignment. `written` may be null.
- */
-palp_status palp_state_save(const struct palp_world *world,
-                            void *buffer,
-                            size_t bytes,
-                            size_t *written);
-
-/**
- * Rolls the world back to a state saved from it, or from one with the same capacities. Ids of that
- * time are good again.
- */
-palp_status palp_state_load(struct palp_world *world, const void *buffer, size_t bytes);
-
-/**
- * A hash of the whole state: equal after equal calls, on every processor. Not a checksum against
- * forgery.
- */
-palp_status palp_state_hash(const struct palp_world *world, uint64_t *hash);
-
-/**
- * What a status means, in English. Never null; lasts as long as the library is loaded.
- */
-const char *palp_status_text(palp_status status);
-
-/**
- * The library's version, such as "0.1.0". Never null; lasts as long as the library is loaded.
- */
-const char *palp_version(void);
-
-/**
- * Room for one hand of 18 parts, a furnished room and a few loose objects: what
- * `PALP_CAPACITIES_ROOM` is at compile time. `capacities->struct_size` is set by the host.
- */
-palp_status palp_capacities_room(struct palp_capacities *capacities);
-
-/**
- * Bytes of the block that a world with these capacities needs. 0 when they are refused: null, a
- * wrong `struct_size`, or a capacity beyond what any world may have.
- */
-size_t palp_memory_bytes(const struct palp_capacities *capacities);
-
-/**
- * Makes an empty world in `memory`, which holds `bytes` bytes, aligned to `PALP_BLOCK_ALIGNMENT`.
- * What they held before does not matter. The memory stays the host's: it must outlive the last call
- * with the handle, and is freed when the world is no longer wanted.
- *
- * Call it as `palp_world_create`: the number in the symbol is `PALP_ABI`, so that a program built
- * with another header does not link.
- */
-palp_status palp_world_create_abi1(void *memory,
-                                   size_t bytes,
-                                   const struct palp_capacities *capacities,
-                                   struct palp_world **world);
-
-/**
- * Takes up a world that was made in `memory`, or copied there, checking that `bytes` bytes hold it.
- */
-palp_status palp_world_attach(void *memory, size_t bytes, struct palp_world **world);
-
-/**
- * The most that was ever in use at once: what to ship as capacities.
- * `capacities->struct_size` is set by the host.
- */
-palp_status palp_high_water(const struct palp_world *world, struct palp_capacities *capacities);
-
-/**
- * Sets the acceleration of loose bodies, in m/s2. A new world has 0, -9.81, 0.
- */
-palp_status palp_gravity_set(struct palp_world *world, const struct palp_vec3 *gravity_m_s2);
 
 #ifdef __cplusplus
 }  // extern "C"
 #endif  // __cplusplus
 
 #endif  /* PALPABLE_H */
-
-/** No rotation, no translation. */
-#define PALP_POSE_IDENTITY { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } }
-
-/** Room for one hand of 18 parts, a furnished room and a few loose objects. */
-#define PALP_CAPACITIES_ROOM \
-    { (uint32_t)sizeof(palp_capacities), 64, 256, 4096, 1024, 256, 8 }
-
-/** Critically damped, settles in about 0.1 s, detached beyond 0.3 m. */
-#define PALP_COUPLING_DEFAULT { 0.4f, 1000.0f, 40.0f, 0.3f, 0, 0.1f }
-
-/** A fixed body at the origin. */
-#define PALP_BODY_DEF_INIT \
-    { (uint32_t)sizeof(palp_body_def), PALP_KIND_FIXED, PALP_POSE_IDENTITY, PALP_COUPLING_DEFAULT }
-
-/** A wooden piece in the body's own frame, its shape not yet set. */
-#define PALP_PIECE_DEF_INIT \
-    { (uint32_t)sizeof(palp_piece_def), 0, NULL, 0, 0, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }, \
-      0.0f, 700.0f, PALP_MATERIAL_WOOD, PALP_POSE_IDENTITY }
-
-/** A frame of 1/60 s with an unlimited budget. */
-#define PALP_FRAME_INPUT_INIT \
-    { (uint32_t)sizeof(palp_frame_input), 1.0f / 60.0f, UINT32_MAX, UINT32_MAX }
-
-/** Empty, to be filled in by `palp_frame_step`. */
-#define PALP_FRAME_REPORT_INIT \
-    { (uint32_t)sizeof(palp_frame_report), 0, 0, 0, 0, 0, 0, 0.0f, 0 }
-
-/** Empty, to be filled in by `palp_driven_report`. */
-#define PALP_DRIVEN_STATE_INIT \
-    { (uint32_t)sizeof(palp_driven_state), 0, 0.0f, { 0.0f, 0.0f, 0.0f } }

@@ -19,7 +19,7 @@ const fn snapshot_status(error: SnapshotError) -> palp_status {
     }
 }
 
-/// Bytes that `palp_state_save` writes: the same for a world's whole life.
+/// Bytes that `palp_state_save` writes: depends on the capacities alone.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palp_state_bytes(
     world: *const palp_world,
@@ -36,7 +36,8 @@ pub unsafe extern "C" fn palp_state_bytes(
     })
 }
 
-/// Copies the state into a buffer of `bytes` bytes of any alignment. `written` may be null.
+/// Copies the state into a buffer of `bytes` bytes of any alignment, at least as many as
+/// `palp_state_bytes` says, which is how many are written. `written` may be null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palp_state_save(
     world: *const palp_world,
@@ -57,14 +58,16 @@ pub unsafe extern "C" fn palp_state_save(
             judge_outside(&block.range(), buffer.addr(), size)?;
             let buffer = slice::from_raw_parts_mut(buffer.cast::<u8>(), size);
             let end = block.read(|world| world.save(buffer).map_err(snapshot_status))?;
-            put(written, end);
+            buffer[end..].fill(0);
+            put(written, size);
         }
         Ok(PALP_OK)
     })
 }
 
 /// Rolls the world back to a state saved from it, or from one with the same capacities. Ids of that
-/// time are good again.
+/// time are good again. Its head is checked and the rest is not: load only what `palp_state_save`
+/// wrote.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palp_state_load(
     world: *mut palp_world,

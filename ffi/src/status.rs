@@ -55,7 +55,7 @@ pub const PALP_STALE_BODY: palp_status = -11;
 pub const PALP_STALE_PIECE: palp_status = -12;
 /// The body is of a kind that this cannot be done to.
 pub const PALP_WRONG_KIND: palp_status = -13;
-/// A pose or velocity is not finite, farther than 10 km from the origin, or without orientation.
+/// A pose is not finite, farther than 10 km from the origin, or without orientation.
 pub const PALP_BAD_POSE: palp_status = -14;
 /// There are not as many entries as the body has pieces.
 pub const PALP_WRONG_COUNT: palp_status = -15;
@@ -96,6 +96,8 @@ pub const PALP_FULL_PIECES: palp_status = -31;
 pub const PALP_FULL_VERTICES: palp_status = -32;
 /// No room for the material: raise `palp_capacities.materials`.
 pub const PALP_FULL_MATERIALS: palp_status = -33;
+/// A velocity is not finite or too fast.
+pub const PALP_BAD_VELOCITY: palp_status = -34;
 
 const TEXTS: &[(palp_status, &CStr)] = &[
     (PALP_OK, c"done"),
@@ -164,7 +166,7 @@ const TEXTS: &[(palp_status, &CStr)] = &[
     ),
     (
         PALP_BAD_POSE,
-        c"a pose or velocity is not finite, too far away or without orientation",
+        c"a pose is not finite, too far away or without orientation",
     ),
     (
         PALP_WRONG_COUNT,
@@ -218,6 +220,7 @@ const TEXTS: &[(palp_status, &CStr)] = &[
         PALP_FULL_MATERIALS,
         c"no room for the material: raise palp_capacities.materials",
     ),
+    (PALP_BAD_VELOCITY, c"a velocity is not finite or too fast"),
 ];
 
 fn text(status: palp_status) -> &'static CStr {

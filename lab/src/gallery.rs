@@ -92,6 +92,13 @@ pub fn triangles(objects: &[SceneryObject]) -> usize {
     count
 }
 
+/// Whether a point is inside the building's walls, floor and ceiling.
+#[must_use]
+pub fn is_inside(point: [f64; 3]) -> bool {
+    let [x, y, z] = point;
+    (-2.1..=6.1).contains(&x) && (0.0..=3.0).contains(&y) && (-2.0..=2.0).contains(&z)
+}
+
 /// The ball of the paper: 482 vertices and 960 triangles on a sphere about the origin.
 #[must_use]
 pub fn ball_points() -> Vec<[f32; 3]> {

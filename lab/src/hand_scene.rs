@@ -113,7 +113,11 @@ fn add_ball(world: &mut World, ball: Ball) -> Result<BodyId, SceneError> {
     Ok(body)
 }
 
-fn add_hand(
+/// Adds the hand alone; its body and its parts.
+///
+/// # Errors
+/// [`SceneError`] names what the world refused.
+pub fn add_hand(
     world: &mut World,
     hand: &Hand,
     first: &HandTarget,
@@ -200,14 +204,27 @@ const BALL_GROUP: u32 = 1001;
 /// # Errors
 /// [`SceneError`] when an id is stale.
 pub fn published(world: &World, ids: &Ids) -> Result<Vec<reference::Pose>, SceneError> {
-    let mut poses = Vec::with_capacity(ids.hand_pieces.len() + 1);
-    for &piece in &ids.hand_pieces {
-        let pose = world.piece_pose(piece).map_err(|e| refused("hand", e))?;
-        poses.push(reference_pose(&pose));
-    }
+    let mut poses = poses_of_pieces(world, &ids.hand_pieces)?;
     let ball = world.pose(ids.ball).map_err(|e| refused("ball", e))?;
     poses.push(reference_pose(&ball));
     Ok(poses)
+}
+
+/// The published poses of some pieces.
+///
+/// # Errors
+/// [`SceneError`] when an id is stale.
+pub fn poses_of_pieces(
+    world: &World,
+    pieces: &[PieceId],
+) -> Result<Vec<reference::Pose>, SceneError> {
+    pieces
+        .iter()
+        .map(|&piece| {
+            let pose = world.piece_pose(piece).map_err(|e| refused("piece", e))?;
+            Ok(reference_pose(&pose))
+        })
+        .collect()
 }
 
 fn reference_pose(pose: &Pose) -> reference::Pose {

@@ -9,3 +9,4 @@ pub mod reference;
 pub mod report;
 pub mod run;
 pub mod script;
+pub mod slaps;

@@ -9,6 +9,7 @@ use palpable_lab::hand::Hand;
 use palpable_lab::report::{self, Ball, HandCoverage, Machine, Report};
 use palpable_lab::run::{RunPlan, run};
 use palpable_lab::script::FRAMES;
+use palpable_lab::slaps;
 
 /// Distance of the samples that the hand's parts are measured with, in metres.
 const COVERAGE_SPACING_M: f64 = 0.002;
@@ -86,6 +87,7 @@ fn lab(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
         runs.push(run);
     }
     bar.finish_and_clear();
+    let slapped = slaps::run(&hand, &slaps::slaps())?;
     let report = Report {
         title: "The hand in the art gallery".to_owned(),
         machine: Machine::detect(),
@@ -97,6 +99,7 @@ fn lab(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
             sticking_out_mm_mean: 1e3 * coverage.outside_m_mean,
         },
         runs,
+        slaps: Some(slapped),
     };
     println!("{}", report::table(&report));
     report::write(&report, &args.out)?;

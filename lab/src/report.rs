@@ -24,7 +24,7 @@ use std::path::Path;
 
 pub use data::{
     BALL_OVERLAP_MM_MAX, Ball, FrameSample, HAND_FIXED_OVERLAP_MM_MAX, HandCoverage, Machine,
-    Phase, Quantiles, Report, Run,
+    Phase, Quantiles, Report, Run, Slaps,
 };
 pub use figure::frame_time_svg;
 pub use html::index_html;

@@ -6,10 +6,11 @@ use palpable::math::Pose;
 use palpable::memory::Capacities;
 use palpable::world::World;
 
+use crate::gallery::is_inside;
 use crate::hand::Hand;
 use crate::hand_scene::{self, BALL, CAPACITIES, FIXED, HAND, Ids, SceneError};
 use crate::memory::Block;
-use crate::reference::{Judge, Verdict};
+use crate::reference::Verdict;
 use crate::report::{Ball, FrameSample, Phase, Quantiles, Run};
 use crate::script::{FRAMES, HandTarget, PHASES, RATE_HZ, Script};
 
@@ -55,12 +56,17 @@ pub fn run(
     let mut judge = hand_scene::judge(hand, plan.ball)?;
     let mut measured = Vec::new();
     let mut before = poses_of(&world, &ids)?;
+    let mut beyond = vec![false; ids.hand_pieces.len() + 1];
     for frame in 0..plan.frames.min(FRAMES) {
         let target = script.target(frame);
         let (sample, locals) = step(&mut world, hand, &ids, &target, frame)?;
         let after = poses_of(&world, &ids)?;
+        let published = hand_scene::published(&world, &ids)?;
+        for (gone, pose) in beyond.iter_mut().zip(&published) {
+            *gone |= !is_inside(pose.position.to_array());
+        }
         measured.push(Measured {
-            verdict: judged(&mut judge, &world, &ids)?,
+            verdict: judge.frame(&published),
             lag_mm: target.free.then(|| lag_mm(&world, &ids, &target, &locals)),
             jitter_mm: target.resting.then(|| largest_change_mm(&before, &after)),
             sample,
@@ -73,6 +79,7 @@ pub fn run(
         ball: plan.ball,
         noise: plan.noise,
         frames: measured.len() as u32,
+        beyond_walls: beyond.iter().filter(|gone| **gone).count() as u32,
         state_hash: format!("{:016x}", world.hash()),
         phases: phases(&measured),
         samples: measured.iter().map(sample_of).collect(),
@@ -120,10 +127,6 @@ fn step(
         overlap_mm: 0.0,
     };
     Ok((sample, locals))
-}
-
-fn judged(judge: &mut Judge, world: &World, ids: &Ids) -> Result<Verdict, SceneError> {
-    Ok(judge.frame(&hand_scene::published(world, ids)?))
 }
 
 fn poses_of(world: &World, ids: &Ids) -> Result<Vec<Pose>, SceneError> {

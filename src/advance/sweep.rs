@@ -1,6 +1,7 @@
 //! How far along a leg a driven body's pairs stay clear.
 
-use super::{Position, Purse, touches};
+use super::{Position, touches};
+use crate::frame::budget::Purse;
 use crate::geometry::motion::Motion;
 use crate::geometry::separation::separation;
 use crate::geometry::time_of_contact::MovingPair;
@@ -70,8 +71,10 @@ pub(super) fn mark_touching(state: &mut State, pairs: usize) {
     }
 }
 
-/// Writes the contacts that the last leg met where the host can read them.
-pub(super) fn record(state: &mut State, pairs: usize) {
+/// Writes the contacts that the last leg met where the host can read them; false when there was no room
+/// for all.
+pub(super) fn record(state: &mut State, pairs: usize) -> bool {
+    let mut all = true;
     for index in 0..pairs {
         let pair = state.pairs.list[index];
         if pair.bends == 1 {
@@ -83,9 +86,10 @@ pub(super) fn record(state: &mut State, pairs: usize) {
                 gap_m: pair.gap,
                 impulse_n_s: 0.0,
             };
-            contacts::add(state, point);
+            all &= contacts::add(state, point);
         }
     }
+    all
 }
 
 /// Whether a measured pair overlaps.

@@ -24,7 +24,7 @@ use self::merge::Groups;
 use self::mesh::Mesh;
 use self::output::Output;
 use super::convex::{Convex, Edge, Face, Lane};
-use crate::limits::{PIECE_VERTICES_MAX, WORLD_REACH_M};
+use crate::limits::{PIECE_REACH_M, PIECE_VERTICES_MAX};
 
 /// How thick a slab may be in which triangles count as one flat face, relative to the hull's size.
 ///
@@ -60,7 +60,7 @@ pub enum HullError {
     TooMany,
     /// A coordinate is not a number or infinite.
     NotFinite,
-    /// A coordinate is beyond [`WORLD_REACH_M`].
+    /// A coordinate is beyond [`PIECE_REACH_M`].
     TooLarge,
     /// The points lie in a plane, on a line or in one place: see [`THICKNESS_MIN`] and
     /// [`SIZE_M_MIN`].
@@ -73,7 +73,7 @@ impl fmt::Display for HullError {
             Self::TooFew => "a hull needs at least four points",
             Self::TooMany => "more points than PIECE_VERTICES_MAX",
             Self::NotFinite => "a coordinate is not finite",
-            Self::TooLarge => "a coordinate is beyond WORLD_REACH_M",
+            Self::TooLarge => "a coordinate is beyond PIECE_REACH_M",
             Self::Degenerate => "the points have no volume",
         })
     }
@@ -269,7 +269,7 @@ fn check(point: Vec3) -> Result<(), HullError> {
     if !point.is_finite() {
         return Err(HullError::NotFinite);
     }
-    if point.abs().max_element() > WORLD_REACH_M {
+    if point.abs().max_element() > PIECE_REACH_M {
         return Err(HullError::TooLarge);
     }
     Ok(())

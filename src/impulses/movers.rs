@@ -4,7 +4,7 @@ use glam::{Quat, Vec3};
 
 use super::Stretch;
 use crate::geometry::motion::{Motion, Track};
-use crate::limits::LOOSE_MARGIN_M;
+use crate::limits::{LOOSE_MARGIN_M, SPEED_MAX, SPIN_MAX, WORLD_REACH_M};
 use crate::math::{self, Pose};
 use crate::pairs::{self, BodyTrack, is_body_of};
 use crate::publish::driven_at;
@@ -16,6 +16,30 @@ use crate::state::pieces::{Bounds, PiecesOf};
 pub(super) fn spin(state: &State, body: usize) -> Vec3 {
     let bodies = &state.bodies;
     bodies.mass[body].inverse_inertia(bodies.pose[body].quat()) * bodies.momentum[body].angular
+}
+
+/// Slows a body that is faster than any scene needs, and stops one that left the world: beyond its
+/// reach there is nothing to touch, and nothing that f32 could tell apart.
+pub(super) fn keep_sane(state: &mut State, body: usize) {
+    let turn = spin(state, body);
+    let pose = state.bodies.pose[body];
+    let momentum = &mut state.bodies.momentum[body];
+    momentum.velocity = at_most(momentum.velocity, SPEED_MAX);
+    let fastest = math::length(turn);
+    if fastest > SPIN_MAX {
+        momentum.angular *= SPIN_MAX / fastest;
+    }
+    let p = pose.translation().abs();
+    if math::max(p.x, math::max(p.y, p.z)) > WORLD_REACH_M {
+        momentum.velocity = Vec3::ZERO;
+        momentum.angular = Vec3::ZERO;
+        momentum.asleep = 1;
+    }
+}
+
+fn at_most(v: Vec3, length: f32) -> Vec3 {
+    let is = math::length(v);
+    if is > length { v * (length / is) } else { v }
 }
 
 /// The frame at a dynamic body's centre of mass, with the body's orientation.

@@ -1,7 +1,7 @@
 //! The order of impulses: the contact whose normal velocity is most wrong first, ties by index.
 
 use super::solve::{push, relative_velocity};
-use crate::advance::Purse;
+use crate::frame::budget::Purse;
 use crate::limits::{APPROACH_MIN, IMPULSES_PER_CONTACT_MAX};
 use crate::state::State;
 use glam::Vec3;

@@ -5,8 +5,8 @@ use glam::{Mat3, Vec3};
 use super::Stretch;
 use super::movers::{centre_pose, is_stopped, spin};
 use super::sweep::{moving_pair, prescribed};
-use crate::advance::Purse;
 use crate::frame::FrameReport;
+use crate::frame::budget::Purse;
 use crate::geometry::manifold::{Contact, manifold};
 use crate::geometry::separation::core_gap;
 use crate::limits::{
@@ -205,7 +205,10 @@ fn whole_impulse(constraint: &Constraint, velocity: Vec3, k: &Mat3) -> Option<Ve
     if normal_part > 0.0 && slip <= constraint.friction * normal_part {
         return Some(sticking);
     }
-    let Some(against) = math::direction(slip_part) else {
+    // Against the slip that there would be without this contact's own impulse: the sticking impulse
+    // points elsewhere when K couples the directions.
+    let free = velocity - *k * constraint.impulse;
+    let Some(against) = math::direction(n * free.dot(n) - free) else {
         return Some(frictionless);
     };
     let on_cone = n + against * constraint.friction;

@@ -4,7 +4,8 @@ use glam::Vec3;
 
 use super::Stretch;
 use super::movers::{is_stopped, motion};
-use crate::advance::Purse;
+use crate::frame::FrameReport;
+use crate::frame::budget::Purse;
 use crate::geometry::time_of_contact::MovingPair;
 use crate::limits::{GAP_FLOOR_M, LOOSE_MARGIN_M, STEP_MIN_M};
 use crate::math;
@@ -24,7 +25,11 @@ pub(super) fn swept_bounds(state: &State, piece: usize, stretch: &Stretch) -> Bo
 
 /// Writes the pairs that may touch in a stretch and have a loose body in them; how many there are,
 /// `None` when there is no room: raise [`crate::memory::Capacities::pairs`].
-pub(super) fn collect(state: &mut State, stretch: &Stretch) -> Option<usize> {
+pub(super) fn collect(
+    state: &mut State,
+    stretch: &Stretch,
+    report: &mut FrameReport,
+) -> Option<usize> {
     let slots = state.registers.piece_slots as usize;
     for piece in 0..slots {
         if state.pieces.body_kind[piece] != 0 {
@@ -36,7 +41,10 @@ pub(super) fn collect(state: &mut State, stretch: &Stretch) -> Option<usize> {
         if is_loose(state, a) {
             for b in 0..slots {
                 if may_touch(state, a, b) {
-                    pairs::push(state, &mut count, a, b).ok()?;
+                    if pairs::push(state, &mut count, a, b).is_err() {
+                        report.set(FrameReport::FULL_PAIRS);
+                        return None;
+                    }
                 }
             }
         }

@@ -59,16 +59,17 @@ impl Coupling {
         grace_s: 0.1,
     };
 
-    /// Whether the spring is one that can be integrated: positive mass, stiffness and damping not
-    /// negative, everything finite.
+    /// Whether the spring is one that f32 can integrate: mass 1e-6 to 1e6 kg, stiffness 0 to 1e9 N/m,
+    /// damping 0 to 1e9 N s/m, divergence above zero, grace not negative.
     #[must_use]
     pub fn is_valid(&self) -> bool {
-        let positive = self.mass_kg > 0.0 && self.divergence_m > 0.0;
-        let sign = self.stiffness_n_per_m >= 0.0 && self.damping_n_s_per_m >= 0.0;
-        let finite = self.mass_kg.is_finite()
-            && self.stiffness_n_per_m.is_finite()
-            && self.damping_n_s_per_m.is_finite();
-        positive && sign && finite && self.grace_s >= 0.0 && self.snap <= Self::SNAP_WHEN_FREE
+        let range = 0.0..=1e9;
+        (1e-6..=1e6).contains(&self.mass_kg)
+            && range.contains(&self.stiffness_n_per_m)
+            && range.contains(&self.damping_n_s_per_m)
+            && self.divergence_m > 0.0
+            && self.grace_s >= 0.0
+            && self.snap <= Self::SNAP_WHEN_FREE
     }
 }
 
@@ -127,6 +128,8 @@ pub(crate) struct Momentum {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct Tracker {
     pub target: Pose,
+    /// The target of the frame before.
+    pub previous: Pose,
     /// How long the tracker has been lost, in seconds.
     pub lost_s: f32,
     /// One when a valid target was set since the last frame.
@@ -180,8 +183,10 @@ impl DrivenReport {
     pub const CUT: u32 = 1 << 4;
     /// The host placed things so that the body overlaps a fixed one, and no way out was found yet.
     pub const OVERLAPS: u32 = 1 << 5;
-    /// A pool was full: the body stayed where it was.
+    /// There was no room for the body's pairs: it stayed where it was.
     pub const POOL_FULL: u32 = 1 << 6;
+    /// There was no room for all contacts that the host can read.
+    pub const CONTACTS_FULL: u32 = 1 << 7;
 }
 
 columns! {

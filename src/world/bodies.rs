@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::World;
-use crate::limits::WORLD_REACH_M;
+use crate::limits::{SPEED_MAX, SPIN_MAX, WORLD_REACH_M};
 use crate::math::Pose;
 use crate::memory::ids::free_slot;
 use crate::memory::{BodyId, PieceId};
@@ -60,6 +60,8 @@ pub enum BodyError {
     BadPose,
     /// There are not as many poses as the body has pieces.
     WrongCount,
+    /// A velocity is not finite or too fast.
+    BadVelocity,
 }
 
 impl World<'_> {
@@ -85,6 +87,7 @@ impl World<'_> {
         bodies.momentum[slot] = Momentum::default();
         bodies.tracker[slot] = Tracker {
             target: pose,
+            previous: pose,
             lost_s: 0.0,
             fresh: 0,
             seen: 0,
@@ -141,6 +144,7 @@ impl World<'_> {
         bodies.pose[body] = pose;
         bodies.displacement[body] = Displacement::default();
         bodies.tracker[body].target = pose;
+        bodies.tracker[body].previous = pose;
         bodies.momentum[body].asleep = 0;
         bodies.momentum[body].still_s = 0.0;
         place_pieces(&mut self.state, body);
@@ -160,7 +164,8 @@ impl World<'_> {
     /// the world), and wakes it.
     ///
     /// # Errors
-    /// [`BodyError`]; numbers that are not finite count as [`BodyError::BadPose`].
+    /// [`BodyError`]; [`BodyError::BadVelocity`] for a coordinate that is not finite or beyond
+    /// [`SPEED_MAX`] or [`SPIN_MAX`].
     pub fn set_velocity(
         &mut self,
         id: BodyId,
@@ -169,8 +174,9 @@ impl World<'_> {
     ) -> Result<(), BodyError> {
         let body = self.index_of_kind(id, BodyKind::Dynamic)?;
         let (linear, angular) = (Vec3::from_array(linear), Vec3::from_array(angular));
-        if !linear.is_finite() || !angular.is_finite() {
-            return Err(BodyError::BadPose);
+        let within = |v: Vec3, limit: f32| v.abs().cmple(Vec3::splat(limit)).all();
+        if !within(linear, SPEED_MAX) || !within(angular, SPIN_MAX) {
+            return Err(BodyError::BadVelocity);
         }
         let inertia = self.state.bodies.mass[body].inertia(self.state.bodies.pose[body].quat());
         self.state.bodies.momentum[body] = Momentum {

@@ -3,7 +3,7 @@
 use super::World;
 use crate::geometry::hull::{HullBuilder, HullError, HullView};
 use crate::geometry::mass::{MassProperties, MassSum};
-use crate::limits::WORLD_REACH_M;
+use crate::limits::{PIECE_REACH_M, WORLD_REACH_M};
 use crate::math::{self, Pose};
 use crate::memory::ids::free_slot;
 use crate::memory::{BodyId, PieceId};
@@ -71,7 +71,7 @@ pub enum AddPieceError {
     TooManyPoints,
     /// A coordinate, the radius or the density is not finite.
     NotFinite,
-    /// A coordinate or the radius is beyond [`WORLD_REACH_M`].
+    /// A coordinate or the radius is beyond [`PIECE_REACH_M`].
     TooLarge,
     /// The shape is flat, or a sphere or capsule without radius, or a box without extent.
     Degenerate,
@@ -136,7 +136,7 @@ impl World<'_> {
         if def.radius_m < 0.0 || def.density_kg_m3 <= 0.0 {
             return Err(AddPieceError::BadNumber);
         }
-        if def.radius_m > WORLD_REACH_M {
+        if def.radius_m > PIECE_REACH_M {
             return Err(AddPieceError::TooLarge);
         }
         if !self.has_material(def.material) {

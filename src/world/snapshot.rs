@@ -2,14 +2,18 @@
 
 use super::World;
 use crate::memory::SnapshotError;
+use crate::memory::hash::StateHash;
 use crate::memory::header::Header;
 use crate::state::State;
+
+/// The state hash that ends a snapshot.
+const HASH_BYTES: usize = 8;
 
 impl World<'_> {
     /// Bytes of a snapshot: the state without the scratch of a frame.
     #[must_use]
     pub fn snapshot_bytes(&self) -> usize {
-        State::lasting_bytes(&self.state.header.capacities) as usize
+        State::lasting_bytes(&self.state.header.capacities) as usize + HASH_BYTES
     }
 
     /// Copies the state into `buffer`; how many bytes were written.
@@ -25,7 +29,8 @@ impl World<'_> {
             buffer[end..end + column.len()].copy_from_slice(column);
             end += column.len();
         });
-        Ok(end)
+        buffer[end..end + HASH_BYTES].copy_from_slice(&self.hash().to_le_bytes());
+        Ok(end + HASH_BYTES)
     }
 
     /// Rolls back to a snapshot of a world with the same capacities, this one or another. On an
@@ -41,11 +46,27 @@ impl World<'_> {
         if buffer.len() < self.snapshot_bytes() {
             return Err(SnapshotError::TooSmall);
         }
+        self.check(buffer)?;
         let mut end = 0;
         self.state.visit_mut(&mut |column| {
             column.copy_from_slice(&buffer[end..end + column.len()]);
             end += column.len();
         });
         Ok(())
+    }
+
+    /// Whether the columns of a snapshot are what was saved.
+    fn check(&self, buffer: &[u8]) -> Result<(), SnapshotError> {
+        let mut hash = StateHash::new();
+        let mut end = 0;
+        self.state.visit(&mut |column| {
+            hash.bytes(&buffer[end..end + column.len()]);
+            end += column.len();
+        });
+        if buffer[end..end + HASH_BYTES] == hash.value().to_le_bytes() {
+            Ok(())
+        } else {
+            Err(SnapshotError::Damaged)
+        }
     }
 }

@@ -24,6 +24,8 @@ pub struct Report {
     pub hand: HandCoverage,
     /// One entry per ball and noise setting, in the order they were run.
     pub runs: Vec<Run>,
+    /// Slaps through a wall, when they were run.
+    pub slaps: Option<Slaps>,
 }
 
 /// The measuring machine, without anything that tells one owner's from another's.
@@ -75,6 +77,8 @@ pub struct Run {
     pub frames: u32,
     /// Hash of the world's state after the last frame, in hexadecimal.
     pub state_hash: String,
+    /// Parts of the hand, and the ball, that were outside the building in some frame.
+    pub beyond_walls: u32,
     /// The phases of the motion, in order of their first frames.
     pub phases: Vec<Phase>,
     /// One entry per frame, in order.
@@ -206,4 +210,15 @@ fn numbered(base: &str, n: u32) -> String {
     } else {
         format!("{base}-{n}")
     }
+}
+
+/// What slaps through a wall of 20 mm showed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Slaps {
+    /// How many slaps.
+    pub slaps: u32,
+    /// Parts of the hand with a corner behind the wall in some frame, over all slaps.
+    pub parts_behind: u32,
+    /// Deepest overlap of the hand and the wall, in millimetres.
+    pub overlap_mm_max: f64,
 }

@@ -3,7 +3,9 @@
 use super::data::is_beyond;
 use super::figure::{escaped, frame_time_svg};
 use super::format::{NOTHING, count, length_mm, mean, optional_length_mm, per_cent, time_us};
-use super::{BALL_OVERLAP_MM_MAX, HAND_FIXED_OVERLAP_MM_MAX, Phase, Report, Run, figure_file_name};
+use super::{
+    BALL_OVERLAP_MM_MAX, HAND_FIXED_OVERLAP_MM_MAX, Phase, Report, Run, Slaps, figure_file_name,
+};
 
 const TEMPLATE: &str = include_str!("../../assets/report/index.html");
 
@@ -28,6 +30,14 @@ pub fn index_html(report: &Report) -> String {
         ("promise_rows", rows(&report.runs, promise_cells)),
         ("figures", figures(report)),
         ("hand_rows", hand_rows(report)),
+        (
+            "slaps",
+            report
+                .slaps
+                .as_ref()
+                .map(slaps_sentence)
+                .unwrap_or_default(),
+        ),
         ("hash_rows", hash_rows(report)),
         ("hand_fixed_limit", HAND_FIXED_OVERLAP_MM_MAX.to_string()),
         ("ball_limit", BALL_OVERLAP_MM_MAX.to_string()),
@@ -196,11 +206,21 @@ fn hash_rows(report: &Report) -> String {
     let row = |run: &Run| {
         let (name, hash) = (escaped(&run.name), escaped(&run.state_hash));
         format!(
-            "<tr><th scope=\"row\">{name}</th><td>{}</td><td><code>{hash}</code></td></tr>\n",
-            run.frames
+            "<tr><th scope=\"row\">{name}</th><td>{}</td><td>{}</td><td><code>{hash}</code></td></tr>\n",
+            run.frames, run.beyond_walls
         )
     };
     report.runs.iter().map(row).collect()
+}
+
+fn slaps_sentence(slaps: &Slaps) -> String {
+    format!(
+        "<p>{} slaps through a wall of 20 mm at 5, 10 and 20 m/s, fingers or palm first: {} parts \
+         ended behind it, overlap at most {} mm.</p>",
+        slaps.slaps,
+        slaps.parts_behind,
+        length_mm(slaps.overlap_mm_max)
+    )
 }
 
 /// The few numbers to look at first, as entries of a description list.

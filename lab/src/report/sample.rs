@@ -22,6 +22,11 @@ pub fn report() -> Report {
     let runs = runs.into_iter().zip(1..);
     Report {
         title: "Palpable: the hand in the art gallery".to_owned(),
+        slaps: Some(super::Slaps {
+            slaps: 60,
+            parts_behind: 0,
+            overlap_mm_max: 0.0,
+        }),
         machine: Machine::detect(),
         hand: HandCoverage {
             parts: 18,
@@ -43,6 +48,7 @@ pub fn run(name: &str, ball: Ball, noise: bool, seed: u64, plans: &[Plan]) -> Ru
         ball,
         noise,
         frames: plans.iter().map(|plan| plan.1).sum(),
+        beyond_walls: 0,
         state_hash: format!("{:016x}", seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)),
         phases: Vec::new(),
         samples: Vec::new(),

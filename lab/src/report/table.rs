@@ -6,7 +6,9 @@ use comfy_table::{Cell, CellAlignment, ContentArrangement, LineStyle, Table, pre
 
 use super::data::is_beyond;
 use super::format::{count, length_mm, mean, optional_length_mm, per_cent, time_us};
-use super::{BALL_OVERLAP_MM_MAX, HAND_FIXED_OVERLAP_MM_MAX, HandCoverage, Phase, Report, Run};
+use super::{
+    BALL_OVERLAP_MM_MAX, HAND_FIXED_OVERLAP_MM_MAX, HandCoverage, Phase, Report, Run, Slaps,
+};
 
 /// Phases stand under the name of their run.
 const INDENT: &str = "  ";
@@ -23,6 +25,11 @@ pub fn table(report: &Report) -> String {
             promise_table(&report.runs)
         ),
         state_hashes(&report.runs),
+        report
+            .slaps
+            .as_ref()
+            .map(slaps_sentence)
+            .unwrap_or_default(),
     ];
     sections.join("\n\n") + "\n"
 }
@@ -53,10 +60,24 @@ fn hand_sentence(hand: &HandCoverage) -> String {
     )
 }
 
+fn slaps_sentence(slaps: &Slaps) -> String {
+    format!(
+        "{} slaps through a wall of 20 mm: {} parts behind it, overlap at most {} mm",
+        slaps.slaps,
+        slaps.parts_behind,
+        length_mm(slaps.overlap_mm_max)
+    )
+}
+
 fn state_hashes(runs: &[Run]) -> String {
     let lines: Vec<String> = runs
         .iter()
-        .map(|run| format!("state hash {}  {}", run.state_hash, run.name))
+        .map(|run| {
+            format!(
+                "state hash {}, {} things beyond the walls  {}",
+                run.state_hash, run.beyond_walls, run.name
+            )
+        })
         .collect();
     lines.join("\n")
 }

@@ -9,7 +9,7 @@ use arrayvec::ArrayVec;
 
 use super::HullError;
 use crate::geometry::double::{self, Vec3d};
-use crate::limits::{PIECE_VERTICES_MAX, WORLD_REACH_M};
+use crate::limits::{PIECE_REACH_M, PIECE_VERTICES_MAX};
 
 /// A point, or a difference of two, in cells.
 pub(super) type Cell = [i64; 3];
@@ -63,7 +63,7 @@ fn check(points: &[[f32; 3]]) -> Result<(), HullError> {
     if points.as_flattened().iter().any(|x| !x.is_finite()) {
         return Err(HullError::NotFinite);
     }
-    let far = |x: &f32| x.abs() > WORLD_REACH_M;
+    let far = |x: &f32| x.abs() > PIECE_REACH_M;
     if points.as_flattened().iter().any(far) {
         return Err(HullError::TooLarge);
     }

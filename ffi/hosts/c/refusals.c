@@ -1,0 +1,462 @@
+/*
+ * Everything that a host can get wrong through the header gets the status that the header says, and
+ * leaves the world as it was. C99 and C++11. Exits with 1 at the first thing that is otherwise.
+ */
+#include <math.h>
+#include <palpable.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int refusals = 0;
+static palp_world *world;
+
+static uint64_t hash_of(const palp_world *of) {
+    uint64_t hash = 0;
+    if (palp_state_hash(of, &hash) != PALP_OK) {
+        printf("palp_state_hash is refused\n");
+        exit(1);
+    }
+    return hash;
+}
+
+static void expect(palp_status got, palp_status wanted, const char *call, int line) {
+    if (got != wanted) {
+        printf("line %d: %s gave %d (%s) instead of %d (%s)\n", line, call, (int)got,
+               palp_status_text(got), (int)wanted, palp_status_text(wanted));
+        exit(1);
+    }
+    refusals += wanted < 0;
+}
+
+/* A refused call leaves no trace in the world. */
+#define REFUSED(wanted, call)                                                                      \
+    do {                                                                                           \
+        const uint64_t before = hash_of(world);                                                    \
+        expect(call, wanted, #call, __LINE__);                                                     \
+        if (hash_of(world) != before) {                                                            \
+            printf("line %d: %s changed the world\n", __LINE__, #call);                            \
+            exit(1);                                                                               \
+        }                                                                                          \
+    } while (0)
+
+#define FINE(call) expect(call, PALP_OK, #call, __LINE__)
+#define GIVES(wanted, call) expect(call, wanted, #call, __LINE__)
+#define TRUE(condition) expect((condition) ? PALP_OK : PALP_PANICKED, PALP_OK, #condition, __LINE__)
+
+static const palp_body_id null_body = {0, 0};
+static const palp_piece_id null_piece = {0, 0};
+static palp_body_id fixed, loose, hand;
+static palp_piece_id hand_piece;
+static char *memory;
+static size_t memory_bytes;
+
+/* An address that no type of the header may have. */
+#define CROOKED(type, buffer) ((type)(void *)((char *)(buffer) + 1))
+
+static void *aligned(void *start) {
+    const size_t past = (size_t)start % PALP_BLOCK_ALIGNMENT;
+    return (char *)start + (past == 0 ? 0 : PALP_BLOCK_ALIGNMENT - past);
+}
+
+static palp_capacities small_room(void) {
+    palp_capacities room = PALP_CAPACITIES_ROOM;
+    room.bodies = 4;
+    room.pieces = 4;
+    room.vertices = 24;
+    room.pairs = 16;
+    room.contacts = 16;
+    room.materials = 1;
+    return room;
+}
+
+static void make_world(void) {
+    const palp_capacities room = small_room();
+    palp_body_def body = PALP_BODY_DEF_INIT;
+    palp_piece_def piece = PALP_PIECE_DEF_INIT;
+    palp_piece_id id;
+    memory_bytes = palp_memory_bytes(&room);
+    memory = (char *)aligned(malloc(memory_bytes + PALP_BLOCK_ALIGNMENT));
+    FINE(palp_world_create(memory, memory_bytes, &room, &world));
+    FINE(palp_body_add(world, &body, &fixed));
+    body.kind = PALP_KIND_DYNAMIC;
+    body.pose.position.y = 10.0f;
+    FINE(palp_body_add(world, &body, &loose));
+    body.kind = PALP_KIND_DRIVEN;
+    body.pose.position.y = 20.0f;
+    FINE(palp_body_add(world, &body, &hand));
+    piece.shape = PALP_SHAPE_BOX;
+    piece.a.x = piece.a.y = piece.a.z = 0.1f;
+    FINE(palp_piece_add(world, fixed, &piece, &id));
+    piece.shape = PALP_SHAPE_POINT;
+    piece.radius_m = 0.1f;
+    FINE(palp_piece_add(world, loose, &piece, &id));
+    FINE(palp_piece_add(world, hand, &piece, &hand_piece));
+}
+
+static void creating(void) {
+    palp_capacities room = small_room();
+    palp_capacities wrong = room;
+    palp_world *other = NULL;
+    char *block = (char *)aligned(malloc(memory_bytes + 2 * PALP_BLOCK_ALIGNMENT));
+    GIVES(PALP_NULL, palp_world_create(NULL, memory_bytes, &room, &other));
+    GIVES(PALP_NULL, palp_world_create(block, memory_bytes, NULL, &other));
+    GIVES(PALP_NULL, palp_world_create(block, memory_bytes, &room, NULL));
+    GIVES(PALP_MISALIGNED, palp_world_create(block + 32, memory_bytes, &room, &other));
+    GIVES(PALP_MISALIGNED,
+          palp_world_create(block, memory_bytes, CROOKED(const palp_capacities *, block), &other));
+    GIVES(PALP_MEMORY_TOO_SMALL, palp_world_create(block, memory_bytes - 1, &room, &other));
+    GIVES(PALP_MEMORY_TOO_SMALL, palp_world_create(block, 0, &room, &other));
+    wrong.bodies = UINT32_MAX;
+    GIVES(PALP_CAPACITY_TOO_LARGE, palp_world_create(block, SIZE_MAX, &wrong, &other));
+    TRUE(palp_memory_bytes(&wrong) == 0);
+    TRUE(palp_memory_bytes(NULL) == 0);
+    wrong = room;
+    wrong.struct_size = 0;
+    GIVES(PALP_BAD_STRUCT_SIZE, palp_world_create(block, memory_bytes, &wrong, &other));
+    TRUE(palp_memory_bytes(&wrong) == 0);
+    GIVES(PALP_BAD_STRUCT_SIZE, palp_capacities_room(&wrong));
+    GIVES(PALP_NULL, palp_capacities_room(NULL));
+    TRUE(other == NULL);
+}
+
+static void attaching(void) {
+    palp_world *other = NULL;
+    uint64_t hash;
+    char *copy = (char *)aligned(malloc(memory_bytes + PALP_BLOCK_ALIGNMENT));
+    memcpy(copy, memory, memory_bytes);
+    GIVES(PALP_NULL, palp_world_attach(NULL, memory_bytes, &other));
+    GIVES(PALP_NULL, palp_world_attach(copy, memory_bytes, NULL));
+    GIVES(PALP_MISALIGNED, palp_world_attach(copy + 8, memory_bytes - 8, &other));
+    GIVES(PALP_MEMORY_TOO_SMALL, palp_world_attach(copy, memory_bytes - 1, &other));
+    GIVES(PALP_MEMORY_TOO_SMALL, palp_world_attach(copy, 8, &other));
+    TRUE(other == NULL);
+    FINE(palp_world_attach(copy, memory_bytes, &other));
+    TRUE(hash_of(other) == hash_of(world));
+    copy[20]++;
+    GIVES(PALP_DAMAGED, palp_world_attach(copy, memory_bytes, &other));
+    GIVES(PALP_DAMAGED, palp_state_hash(other, &hash));
+    memset(copy, 0x5a, memory_bytes);
+    GIVES(PALP_NOT_A_WORLD, palp_world_attach(copy, memory_bytes, &other));
+    GIVES(PALP_NOT_A_WORLD, palp_state_hash((palp_world *)(void *)copy, &hash));
+    GIVES(PALP_NULL, palp_state_hash(NULL, &hash));
+    GIVES(PALP_MISALIGNED, palp_state_hash(CROOKED(palp_world *, copy), &hash));
+}
+
+static void bodies(void) {
+    palp_body_def def = PALP_BODY_DEF_INIT;
+    palp_body_def wrong;
+    palp_body_id id = null_body, wrong_id;
+    REFUSED(PALP_NULL, palp_body_add(NULL, &def, &id));
+    REFUSED(PALP_NULL, palp_body_add(world, NULL, &id));
+    REFUSED(PALP_NULL, palp_body_add(world, &def, NULL));
+    REFUSED(PALP_MISALIGNED, palp_body_add(world, CROOKED(const palp_body_def *, &def), &id));
+    for (wrong = def, wrong.struct_size = 0; wrong.struct_size < sizeof def; wrong.struct_size++) {
+        REFUSED(PALP_BAD_STRUCT_SIZE, palp_body_add(world, &wrong, &id));
+    }
+    wrong.struct_size = UINT32_MAX;
+    REFUSED(PALP_BAD_STRUCT_SIZE, palp_body_add(world, &wrong, &id));
+    wrong = def;
+    wrong.kind = 0;
+    REFUSED(PALP_BAD_ENUM, palp_body_add(world, &wrong, &id));
+    wrong.kind = 0x80000001u;
+    REFUSED(PALP_BAD_ENUM, palp_body_add(world, &wrong, &id));
+    wrong = def;
+    wrong.pose.position.x = NAN;
+    REFUSED(PALP_BAD_POSE, palp_body_add(world, &wrong, &id));
+    wrong = def;
+    wrong.pose.orientation.w = 0.0f;
+    REFUSED(PALP_BAD_POSE, palp_body_add(world, &wrong, &id));
+    wrong = def;
+    wrong.kind = PALP_KIND_DRIVEN;
+    wrong.coupling.mass_kg = 0.0f;
+    REFUSED(PALP_BAD_COUPLING, palp_body_add(world, &wrong, &id));
+    wrong.coupling = def.coupling;
+    wrong.coupling.snap = 7;
+    REFUSED(PALP_BAD_ENUM, palp_body_add(world, &wrong, &id));
+    TRUE(id.index1 == 0);
+    REFUSED(PALP_STALE_BODY, palp_body_remove(world, null_body));
+    FINE(palp_body_add(world, &def, &id));
+    FINE(palp_body_remove(world, id));
+    REFUSED(PALP_STALE_BODY, palp_body_remove(world, id));
+    FINE(palp_body_add(world, &def, &id));
+    REFUSED(PALP_FULL_BODIES, palp_body_add(world, &def, &wrong_id));
+    FINE(palp_body_remove(world, id));
+}
+
+static void placing(void) {
+    const palp_pose good = PALP_POSE_IDENTITY;
+    const palp_vec3 still = {0.0f, 0.0f, 0.0f};
+    const palp_vec3 wild = {INFINITY, 0.0f, 0.0f};
+    palp_pose wrong = good;
+    palp_vec3 linear;
+    palp_pose pose;
+    float mass;
+    wrong.orientation.x = -INFINITY;
+    REFUSED(PALP_NULL, palp_body_place(world, hand, NULL));
+    REFUSED(PALP_MISALIGNED, palp_body_place(world, hand, CROOKED(const palp_pose *, &good)));
+    REFUSED(PALP_BAD_POSE, palp_body_place(world, hand, &wrong));
+    REFUSED(PALP_STALE_BODY, palp_body_place(world, null_body, &good));
+    REFUSED(PALP_BAD_POSE, palp_body_set_target(world, hand, &wrong));
+    REFUSED(PALP_NULL, palp_body_set_target(world, hand, NULL));
+    REFUSED(PALP_WRONG_KIND, palp_body_set_target(world, loose, &good));
+    REFUSED(PALP_STALE_BODY, palp_body_set_target(world, null_body, &good));
+    REFUSED(PALP_BAD_POSE, palp_body_set_piece_targets(world, hand, &wrong, 1));
+    REFUSED(PALP_WRONG_COUNT, palp_body_set_piece_targets(world, hand, &good, 0));
+    REFUSED(PALP_WRONG_COUNT, palp_body_set_piece_targets(world, hand, NULL, 0));
+    REFUSED(PALP_NULL, palp_body_set_piece_targets(world, hand, NULL, 1));
+    REFUSED(PALP_INSIDE_WORLD,
+            palp_body_set_piece_targets(world, hand, (const palp_pose *)(void *)memory, 1));
+    REFUSED(PALP_BAD_VELOCITY, palp_body_set_velocity(world, loose, &wild, &still));
+    REFUSED(PALP_WRONG_KIND, palp_body_set_velocity(world, fixed, &still, &still));
+    REFUSED(PALP_NULL, palp_body_set_velocity(world, loose, &still, NULL));
+    REFUSED(PALP_WRONG_KIND, palp_body_velocity(world, hand, &linear, NULL));
+    REFUSED(PALP_WRONG_KIND, palp_body_mass(world, hand, &mass));
+    REFUSED(PALP_NULL, palp_body_mass(world, loose, NULL));
+    REFUSED(PALP_NULL, palp_body_pose(world, hand, NULL));
+    REFUSED(PALP_STALE_BODY, palp_body_pose(world, null_body, &pose));
+    REFUSED(PALP_NOT_FINITE, palp_gravity_set(world, &wild));
+    FINE(palp_body_velocity(world, loose, NULL, NULL));
+}
+
+static void pieces(void) {
+    palp_piece_def def = PALP_PIECE_DEF_INIT;
+    palp_piece_def wrong;
+    palp_piece_id id = null_piece;
+    palp_pose pose;
+    float flat[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+    def.shape = PALP_SHAPE_POINT;
+    def.radius_m = 0.1f;
+    REFUSED(PALP_NULL, palp_piece_add(world, fixed, NULL, &id));
+    REFUSED(PALP_NULL, palp_piece_add(world, fixed, &def, NULL));
+    REFUSED(PALP_STALE_BODY, palp_piece_add(world, null_body, &def, &id));
+#define WRONG(status, change)                                                                      \
+    wrong = def;                                                                                   \
+    change;                                                                                        \
+    REFUSED(status, palp_piece_add(world, fixed, &wrong, &id))
+    WRONG(PALP_BAD_STRUCT_SIZE, wrong.struct_size--);
+    WRONG(PALP_BAD_ENUM, wrong.shape = 0);
+    WRONG(PALP_BAD_ENUM, wrong.shape = 99);
+    WRONG(PALP_NOT_FINITE, wrong.radius_m = NAN);
+    WRONG(PALP_BAD_NUMBER, wrong.radius_m = -1.0f);
+    WRONG(PALP_DEGENERATE, wrong.radius_m = 0.0f);
+    WRONG(PALP_BAD_NUMBER, wrong.density_kg_m3 = 0.0f);
+    WRONG(PALP_UNKNOWN_MATERIAL, wrong.material = 3);
+    WRONG(PALP_BAD_POSE, wrong.local_pose.position.z = NAN);
+    def.shape = PALP_SHAPE_HULL;
+    def.points = flat[0];
+    def.point_count = 4;
+    WRONG(PALP_NULL, wrong.points = NULL);
+    WRONG(PALP_MISALIGNED, wrong.points = CROOKED(const float *, flat));
+    WRONG(PALP_BAD_STRIDE, wrong.point_stride = 8);
+    WRONG(PALP_BAD_STRIDE, wrong.point_stride = 13);
+    WRONG(PALP_TOO_FEW_POINTS, wrong.point_count = 0);
+    WRONG(PALP_TOO_MANY_POINTS, wrong.point_count = PALP_POINTS_MAX + 1);
+    WRONG(PALP_TOO_MANY_POINTS, wrong.point_count = UINT32_MAX);
+    WRONG(PALP_DEGENERATE, wrong.radius_m = 0.0f);
+    def.shape = PALP_SHAPE_BOX;
+    def.a.x = def.a.y = def.a.z = 0.1f;
+    FINE(palp_piece_add(world, fixed, &def, &id));
+    REFUSED(PALP_FULL_PIECES, palp_piece_add(world, fixed, &def, &id));
+    FINE(palp_piece_remove(world, id));
+    REFUSED(PALP_STALE_PIECE, palp_piece_remove(world, id));
+    REFUSED(PALP_STALE_PIECE, palp_piece_remove(world, null_piece));
+    REFUSED(PALP_STALE_PIECE, palp_piece_pose(world, id, &pose));
+    REFUSED(PALP_NULL, palp_piece_pose(world, hand_piece, NULL));
+    REFUSED(PALP_NULL, palp_piece_poses(world, NULL, NULL));
+    REFUSED(PALP_NULL, palp_contacts(world, NULL, NULL));
+}
+
+static void full_vertices(void) {
+    float points[16][3];
+    palp_piece_def def = PALP_PIECE_DEF_INIT;
+    palp_piece_id id;
+    int i;
+    for (i = 0; i < 16; i++) {
+        points[i][0] = (float)(i % 4 * (i % 4));
+        points[i][1] = (float)(i / 4 * (i / 4));
+        points[i][2] = (float)(i % 4 + i / 4) - 0.1f * (float)(i * i % 7);
+    }
+    def.shape = PALP_SHAPE_BOX;
+    def.a.x = def.a.y = def.a.z = 0.1f;
+    FINE(palp_piece_add(world, fixed, &def, &id));
+    FINE(palp_piece_remove(world, id));
+    def.shape = PALP_SHAPE_HULL;
+    def.points = points[0];
+    def.point_count = 16;
+    def.point_stride = sizeof points[0];
+    i = (int)palp_piece_add(world, fixed, &def, &id);
+    TRUE(i == PALP_OK || i == PALP_FULL_VERTICES);
+    if (i == PALP_OK) {
+        FINE(palp_piece_remove(world, id));
+    }
+}
+
+static void materials(void) {
+    uint32_t material = 99;
+    REFUSED(PALP_NULL, palp_material_add(world, NULL));
+    FINE(palp_material_add(world, &material));
+    TRUE(material == 3);
+    REFUSED(PALP_FULL_MATERIALS, palp_material_add(world, &material));
+    REFUSED(PALP_UNKNOWN_MATERIAL, palp_surface_set(world, 4, 0, 0.5f, 0.5f));
+    REFUSED(PALP_BAD_SURFACE, palp_surface_set(world, 3, 0, 1.5f, 0.5f));
+    REFUSED(PALP_BAD_SURFACE, palp_surface_set(world, 3, 0, 0.5f, NAN));
+    FINE(palp_surface_set(world, material, PALP_MATERIAL_WOOD, 0.5f, 0.5f));
+}
+
+static void frames(void) {
+    palp_frame_input input = PALP_FRAME_INPUT_INIT;
+    palp_frame_report report = PALP_FRAME_REPORT_INIT;
+    palp_frame_report untouched = PALP_FRAME_REPORT_INIT;
+    palp_driven_state state = PALP_DRIVEN_STATE_INIT;
+    REFUSED(PALP_NULL, palp_frame_step(world, NULL, &report));
+    REFUSED(PALP_NULL, palp_frame_step(NULL, &input, &report));
+    report.struct_size = 4;
+    REFUSED(PALP_BAD_STRUCT_SIZE, palp_frame_step(world, &input, &report));
+    report = untouched;
+    input.struct_size = 0;
+    REFUSED(PALP_BAD_STRUCT_SIZE, palp_frame_step(world, &input, &report));
+    TRUE(memcmp(&report, &untouched, sizeof report) == 0);
+    input.struct_size = sizeof input;
+    input.dt_s = 0.0f;
+    REFUSED(PALP_BAD_TIME_STEP, palp_frame_step(world, &input, &report));
+    input.dt_s = -1.0f;
+    REFUSED(PALP_BAD_TIME_STEP, palp_frame_step(world, &input, &report));
+    input.dt_s = NAN;
+    REFUSED(PALP_BAD_TIME_STEP, palp_frame_step(world, &input, &report));
+    input.dt_s = 5.0f;
+    GIVES(PALP_TIME_STEP_CLAMPED, palp_frame_step(world, &input, NULL));
+    REFUSED(PALP_WRONG_KIND, palp_driven_report(world, loose, &state));
+    state.struct_size = 1;
+    REFUSED(PALP_BAD_STRUCT_SIZE, palp_driven_report(world, hand, &state));
+}
+
+static void states(void) {
+    size_t bytes = 0, written = 0;
+    palp_capacities marks = PALP_CAPACITIES_ROOM;
+    char *saved;
+    uint64_t before;
+    palp_frame_input input = PALP_FRAME_INPUT_INIT;
+    FINE(palp_state_bytes(world, &bytes));
+    saved = (char *)malloc(bytes + 1);
+    REFUSED(PALP_NULL, palp_state_bytes(world, NULL));
+    REFUSED(PALP_NULL, palp_state_hash(world, NULL));
+    REFUSED(PALP_NULL, palp_state_save(world, NULL, bytes, &written));
+    REFUSED(PALP_BUFFER_TOO_SMALL, palp_state_save(world, saved, bytes - 1, &written));
+    REFUSED(PALP_INSIDE_WORLD, palp_state_save(world, memory, bytes, &written));
+    FINE(palp_state_save(world, saved + 1, bytes, &written));
+    TRUE(written == bytes);
+    before = hash_of(world);
+    palp_frame_step(world, &input, NULL);
+    TRUE(hash_of(world) != before);
+    REFUSED(PALP_BUFFER_TOO_SMALL, palp_state_load(world, saved + 1, bytes - 1));
+    REFUSED(PALP_DAMAGED, palp_state_load(world, saved, bytes));
+    REFUSED(PALP_DAMAGED, palp_state_load(world, saved, 0));
+    REFUSED(PALP_INSIDE_WORLD, palp_state_load(world, memory, bytes));
+    FINE(palp_state_load(world, saved + 1, bytes));
+    TRUE(hash_of(world) == before);
+    FINE(palp_high_water(world, &marks));
+    TRUE(marks.bodies == 4 && marks.pieces == 4 && marks.materials == 1);
+}
+
+typedef struct joint_location {
+    uint64_t flags;
+    palp_pose pose;
+    float radius;
+} joint_location;
+
+static joint_location joints[PALP_HAND_JOINTS];
+
+static palp_status see(uint32_t count, const uint32_t *piece_joints, uint32_t *kept) {
+    return palp_hand_set_joints(world, hand, joints, 0, NULL, piece_joints, count, 0.5f, kept);
+}
+
+static void good_joints(void) {
+    const palp_pose good = PALP_POSE_IDENTITY;
+    uint32_t j;
+    for (j = 0; j < PALP_HAND_JOINTS; j++) {
+        joints[j].flags = 3;
+        joints[j].pose = good;
+        joints[j].pose.position.y = 20.0f;
+    }
+}
+
+static void hands(void) {
+    const uint32_t tip = 10, unknown = PALP_HAND_JOINTS;
+    const palp_pose bad = {{NAN, 0.0f, 0.0f, 1.0f}, {0.0f, 0.0f, 0.0f}};
+    const palp_frame_input input = PALP_FRAME_INPUT_INIT;
+    palp_pose pose;
+    uint32_t kept = 99;
+    good_joints();
+    REFUSED(PALP_NULL, palp_hand_set_joints(world, hand, NULL, 0, NULL, &tip, 1, 0.5f, NULL));
+    REFUSED(PALP_NULL, see(1, NULL, NULL));
+    REFUSED(PALP_BAD_STRIDE,
+            palp_hand_set_joints(world, hand, joints, 39, NULL, &tip, 1, 0.5f, NULL));
+    REFUSED(PALP_WRONG_COUNT, see(0, NULL, NULL));
+    REFUSED(PALP_UNKNOWN_JOINT, see(1, &unknown, NULL));
+    REFUSED(PALP_BAD_POSE, palp_hand_set_joints(world, hand, joints, 0, &bad, &tip, 1, 0.5f, NULL));
+    REFUSED(PALP_BAD_NUMBER, palp_hand_set_joints(world, hand, joints, 0, NULL, &tip, 1, 0.0f, NULL));
+    REFUSED(PALP_BAD_NUMBER, palp_hand_set_joints(world, hand, joints, 0, NULL, &tip, 1, NAN, NULL));
+    REFUSED(PALP_WRONG_KIND,
+            palp_hand_set_joints(world, loose, joints, 0, NULL, &tip, 1, 0.5f, NULL));
+    REFUSED(PALP_STALE_BODY,
+            palp_hand_set_joints(world, null_body, joints, 0, NULL, &tip, 1, 0.5f, NULL));
+    joints[tip].pose.position.x = 0.125f;
+    FINE(see(1, &tip, &kept));
+    TRUE(kept == 0);
+    FINE(palp_frame_step(world, &input, NULL));
+    FINE(palp_piece_pose(world, hand_piece, &pose));
+    TRUE(pose.position.x == 0.125f && pose.position.y == 20.0f);
+
+    joints[tip].pose.position.x = 0.25f;
+    joints[tip].flags = 1;
+    GIVES(PALP_JOINTS_IGNORED, see(1, &tip, &kept));
+    TRUE(kept == 1);
+    joints[tip].flags = 3;
+    joints[tip].pose.orientation.w = NAN;
+    GIVES(PALP_JOINTS_IGNORED, see(1, &tip, NULL));
+    joints[tip].pose.orientation.w = 0.0f;
+    GIVES(PALP_JOINTS_IGNORED, see(1, &tip, NULL));
+    joints[tip].pose.orientation.w = -3.0f;
+    joints[tip].pose.position.x = 0.75f;
+    GIVES(PALP_JOINTS_IGNORED, see(1, &tip, NULL));
+    FINE(palp_frame_step(world, &input, NULL));
+    FINE(palp_piece_pose(world, hand_piece, &pose));
+    TRUE(pose.position.x == 0.125f);
+
+    joints[tip].pose.position.x = 0.25f;
+    joints[1].flags = 2;
+    REFUSED(PALP_TRACKING_LOST, see(1, &tip, &kept));
+    TRUE(kept == 1);
+    joints[1].flags = UINT64_MAX;
+    joints[1].pose.position.z = INFINITY;
+    REFUSED(PALP_TRACKING_LOST, see(1, &tip, NULL));
+}
+
+/* A whole header before a state that makes no sense: the library may fail, but must come back. */
+static void failing_inside(void) {
+    const palp_frame_input input = PALP_FRAME_INPUT_INIT;
+    char *copy = (char *)aligned(malloc(memory_bytes + PALP_BLOCK_ALIGNMENT));
+    palp_world *broken = NULL;
+    memcpy(copy, memory, memory_bytes);
+    FINE(palp_world_attach(copy, memory_bytes, &broken));
+    memset(copy + 64, 0xff, memory_bytes - 64);
+    GIVES(PALP_PANICKED, palp_frame_step(broken, &input, NULL));
+}
+
+int main(void) {
+    make_world();
+    creating();
+    attaching();
+    bodies();
+    placing();
+    pieces();
+    full_vertices();
+    materials();
+    frames();
+    states();
+    hands();
+    failing_inside();
+    printf("%d refusals as they should be\n", refusals);
+    return 0;
+}

@@ -1,0 +1,174 @@
+//! Programs in other languages run the library, and come to the same state as the same calls in Rust.
+
+mod common;
+#[path = "common/scene.rs"]
+mod scene;
+
+use std::process::Command;
+use std::{env, fs};
+
+use common::{Compiler, Run, is_installed, library, package, scratch, skip};
+
+fn hash_line(hash: u64) -> String {
+    format!("hash {hash:016x}\n")
+}
+
+#[test]
+fn the_table_in_c_linked_statically() {
+    let program = library().link_static(Compiler::C99, "c/table.c");
+    let printed = Command::new(program).run_clean();
+    assert_eq!(printed, hash_line(scene::table()));
+}
+
+#[test]
+fn the_table_in_c_against_the_shared_library() {
+    let program = library().link_shared(Compiler::C99, "c/table.c");
+    let printed = Command::new(program).run_clean();
+    assert_eq!(printed, hash_line(scene::table()));
+}
+
+#[test]
+fn a_push_in_cpp_linked_either_way() {
+    let expected = hash_line(scene::push());
+    let linked = library().link_static(Compiler::Cpp11, "cpp/push.cpp");
+    assert_eq!(Command::new(linked).run_clean(), expected);
+    let linked = library().link_shared(Compiler::Cpp11, "cpp/push.cpp");
+    assert_eq!(Command::new(linked).run_clean(), expected);
+}
+
+#[test]
+fn the_table_in_luajit() {
+    if !is_installed("luajit", "-v") {
+        return skip("luajit");
+    }
+    let header = package().join("include/palpable.h");
+    let text = Compiler::C99
+        .command()
+        .args(["-E", "-P"])
+        .arg(&header)
+        .run_clean();
+    let declarations = scratch("palpable_preprocessed.h");
+    fs::write(&declarations, only_ours(&text)).unwrap();
+    let printed = Command::new("luajit")
+        .arg(package().join("hosts/luajit/table.lua"))
+        .args([library().shared(), declarations, header])
+        .run_clean();
+    assert_eq!(printed, hash_line(scene::table()));
+}
+
+/// The header's own declarations, without those of the C library before them.
+fn only_ours(preprocessed: &str) -> &str {
+    let ours = preprocessed.find("palp_").unwrap();
+    &preprocessed[preprocessed[..ours].rfind("typedef").unwrap()..]
+}
+
+#[test]
+fn bad_input_is_refused() {
+    for program in [
+        library().link_static(Compiler::C99, "c/refusals.c"),
+        library().link_static(Compiler::Cpp11, "c/refusals.c"),
+    ] {
+        let printed = Command::new(program).run_clean();
+        assert!(
+            printed.ends_with(" refusals as they should be\n"),
+            "{printed}"
+        );
+    }
+}
+
+#[test]
+fn the_example_of_the_readme_runs() {
+    let program = library().link_static(Compiler::C99, "c/readme.c");
+    assert_eq!(
+        Command::new(program).run_clean(),
+        "tracked 0.000 m, drawn 0.200 m\n"
+    );
+}
+
+#[test]
+fn calls_are_cheap_enough_to_make() {
+    let program = library().link_static(Compiler::C99, "c/cost.c");
+    let printed = Command::new(program).run_clean();
+    eprint!("{printed}");
+    assert!(printed.contains("palp_body_pose"));
+}
+
+/// Where pkg-config and CMake find the library as the tests build it.
+fn built() -> [(&'static str, std::path::PathBuf); 2] {
+    [
+        ("PALPABLE_INCLUDE", package().join("include")),
+        ("PALPABLE_LIB", library().directory.clone()),
+    ]
+}
+
+#[test]
+fn pkg_config_finds_the_library() {
+    if !is_installed("pkg-config", "--version") {
+        return skip("pkg-config");
+    }
+    let [(_, include), (_, lib)] = built();
+    let flags = Command::new("pkg-config")
+        .env("PKG_CONFIG_PATH", package())
+        .arg(format!(
+            "--define-variable=includedir={}",
+            include.display()
+        ))
+        .arg(format!("--define-variable=libdir={}", lib.display()))
+        .args(["--cflags", "--libs", "palpable"])
+        .run_clean();
+    let program = scratch("readme_pkg_config");
+    Compiler::C99
+        .command()
+        .arg(package().join("hosts/c/readme.c"))
+        .args(flags.split_whitespace())
+        .arg(format!("-Wl,-rpath,{}", lib.display()))
+        .arg("-o")
+        .arg(&program)
+        .run_clean();
+    Command::new(program).run_clean();
+    let version = Command::new("pkg-config")
+        .env("PKG_CONFIG_PATH", package())
+        .args(["--modversion", "palpable"])
+        .run_clean();
+    assert_eq!(version.trim(), env!("CARGO_PKG_VERSION"));
+}
+
+#[test]
+fn cmake_finds_the_library() {
+    if !is_installed("cmake", "--version") {
+        return skip("cmake");
+    }
+    let directory = scratch("cmake-host");
+    fs::create_dir_all(&directory).unwrap();
+    let source = package().join("hosts/c/readme.c");
+    let project = format!(
+        "cmake_minimum_required(VERSION 3.16)\n\
+         project(host C)\n\
+         find_package(palpable {} CONFIG REQUIRED)\n\
+         foreach(kind static shared)\n\
+           add_executable(host_${{kind}} \"{}\")\n\
+           target_link_libraries(host_${{kind}} PRIVATE palpable::${{kind}})\n\
+         endforeach()\n",
+        env!("CARGO_PKG_VERSION"),
+        source.display(),
+    );
+    fs::write(directory.join("CMakeLists.txt"), project).unwrap();
+    let [(_, include), (_, lib)] = built();
+    let build = directory.join("build");
+    let _ = fs::remove_dir_all(&build);
+    Command::new("cmake")
+        .arg("-S")
+        .arg(&directory)
+        .arg("-B")
+        .arg(&build)
+        .arg(format!(
+            "-Dpalpable_DIR={}",
+            package().join("cmake").display()
+        ))
+        .arg(format!("-DPALPABLE_INCLUDE_DIR={}", include.display()))
+        .arg(format!("-DPALPABLE_LIB_DIR={}", lib.display()))
+        .run_clean();
+    Command::new("cmake").arg("--build").arg(&build).run_clean();
+    Command::new(build.join("host_static")).run_clean();
+    Command::new(build.join("host_shared")).run_clean();
+}

@@ -1,0 +1,50 @@
+//! How much work a frame may do, and what is left of it.
+
+/// How much work a frame may do. A unit is one distance query between two pieces, with the two
+/// support queries that follow it; its cost grows with the pieces' vertex counts.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Budget {
+    /// Units for moving driven bodies. With zero a driven body moves only as far as boxes alone prove
+    /// its way clear; in free air that is all the way.
+    pub advance_units: u32,
+    /// Units for loose objects: distance queries and impulses.
+    pub impulse_units: u32,
+}
+
+impl Budget {
+    /// As much as the kernel's own bounds allow.
+    pub const UNLIMITED: Self = Self {
+        advance_units: u32::MAX,
+        impulse_units: u32::MAX,
+    };
+}
+
+/// Units that a stage may still spend.
+pub(crate) struct Purse {
+    left: u32,
+    spent: u32,
+}
+
+impl Purse {
+    pub(crate) fn new(units: u32) -> Self {
+        Self {
+            left: units,
+            spent: 0,
+        }
+    }
+
+    /// Takes one unit; false when there is none left.
+    pub(crate) fn take(&mut self) -> bool {
+        if self.left == 0 {
+            return false;
+        }
+        self.left -= 1;
+        self.spent += 1;
+        true
+    }
+
+    pub(crate) fn spent(&self) -> u32 {
+        self.spent
+    }
+}

@@ -1,0 +1,335 @@
+//! Bugs that were found, each with the test that found it.
+
+mod common;
+
+use common::{Block, add_box, add_piece};
+use palpable::frame::FrameInput;
+use palpable::limits::LOOSE_REST_M;
+use palpable::math::Pose;
+use palpable::memory::{BodyId, Capacities};
+use palpable::state::bodies::BodyKind;
+use palpable::state::materials::{Material, Surface};
+use palpable::world::{BodyDef, PieceDef, Shape, World};
+
+const FRAME_S: f32 = 1.0 / 60.0;
+
+fn floor(world: &mut World) -> BodyId {
+    // Top at y = 0.
+    add_box(
+        world,
+        BodyKind::Fixed,
+        Pose::at(0.0, -0.5, 0.0),
+        [20.0, 0.5, 20.0],
+    )
+}
+
+fn ball(world: &mut World, kind: BodyKind, at: [f32; 3], radius_m: f32) -> BodyId {
+    let body = world
+        .add_body(&BodyDef::new(kind, Pose::at(at[0], at[1], at[2])))
+        .unwrap();
+    add_piece(world, body, &PieceDef::new(Shape::Point, radius_m));
+    body
+}
+
+fn surface(world: &mut World, restitution: f32, friction: f32) {
+    let surface = Surface {
+        restitution,
+        friction,
+    };
+    world
+        .set_surface(Material::WOOD, Material::WOOD, surface)
+        .unwrap();
+}
+
+fn position(world: &World, body: BodyId) -> [f64; 3] {
+    world.pose(body).unwrap().position.map(f64::from)
+}
+
+fn speed(world: &World, body: BodyId) -> f64 {
+    let (v, _) = world.velocity(body).unwrap();
+    v.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Height of a box's lowest corner above y = 0.
+fn lowest_corner(pose: &Pose, half: [f32; 3]) -> f64 {
+    let [x, y, z, w] = pose.rotation.map(f64::from);
+    // Second row of the rotation matrix.
+    let row = [
+        2.0 * (x * y + z * w),
+        1.0 - 2.0 * (x * x + z * z),
+        2.0 * (y * z - x * w),
+    ];
+    let reach: f64 = (0..3).map(|i| row[i].abs() * f64::from(half[i])).sum();
+    f64::from(pose.position[1]) - reach
+}
+
+#[test]
+fn a_sliding_block_stops_after_the_right_time_and_way() {
+    // HARD_CASES: 2 m/s, mu = .3: after 0.679579 s and 0.679579 m.
+    let half = [0.1, 0.02, 0.1];
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    surface(&mut world, 0.0, 0.3);
+    floor(&mut world);
+    let slider = add_box(
+        &mut world,
+        BodyKind::Dynamic,
+        Pose::at(0.0, 0.02 + LOOSE_REST_M, 0.0),
+        half,
+    );
+    world
+        .set_velocity(slider, [2.0, 0.0, 0.0], [0.0; 3])
+        .unwrap();
+    let dt_s = 1.0 / 240.0;
+    let mut stopped_s = None;
+    for frame in 1..=240 {
+        world.step(&FrameInput::unlimited(dt_s));
+        assert!(lowest_corner(&world.pose(slider).unwrap(), half) > 0.0);
+        // One frame's friction is 12 mm/s.
+        if stopped_s.is_none() && speed(&world, slider) < 0.012 {
+            stopped_s = Some(f64::from(frame) / 240.0);
+        }
+    }
+    let stopped_s = stopped_s.expect("friction stops it within a second");
+    assert!((stopped_s / 0.679_579 - 1.0).abs() < 0.05, "{stopped_s} s");
+    let way = position(&world, slider)[0];
+    assert!((way / 0.679_579 - 1.0).abs() < 0.05, "{way} m");
+    assert!(position(&world, slider)[2].abs() < 0.01);
+}
+
+use palpable::frame::FrameReport;
+use palpable::state::bodies::{Coupling, DrivenReport};
+const SMALL: Capacities = Capacities {
+    bodies: 4,
+    pieces: 16,
+    vertices: 128,
+    pairs: 16,
+    contacts: 16,
+    materials: 2,
+};
+
+#[test]
+fn driven_contacts_beyond_the_capacity_are_reported() {
+    let capacities = Capacities {
+        contacts: 0,
+        ..SMALL
+    };
+    let mut block = Block::new(&capacities);
+    let mut world = World::create(block.bytes(), &capacities).unwrap();
+    floor(&mut world);
+    let hand = add_box(
+        &mut world,
+        BodyKind::Driven,
+        Pose::at(0.0, 0.2, 0.0),
+        [0.05; 3],
+    );
+    let mut flags = 0;
+    for _ in 0..30 {
+        world.set_target(hand, &Pose::at(0.0, -0.1, 0.0)).unwrap();
+        flags |= world.step(&FrameInput::unlimited(FRAME_S)).flags;
+    }
+    assert_ne!(flags & FrameReport::FULL_CONTACTS, 0);
+}
+
+#[test]
+fn pairs_full_for_loose_bodies_are_reported() {
+    let capacities = Capacities { pairs: 0, ..SMALL };
+    let mut block = Block::new(&capacities);
+    let mut world = World::create(block.bytes(), &capacities).unwrap();
+    floor(&mut world);
+    add_box(
+        &mut world,
+        BodyKind::Dynamic,
+        Pose::at(0.0, 0.06, 0.0),
+        [0.05; 3],
+    );
+    let mut flags = 0;
+    for _ in 0..30 {
+        flags |= world.step(&FrameInput::unlimited(FRAME_S)).flags;
+    }
+    assert_ne!(flags & FrameReport::FULL_PAIRS, 0, "{flags}");
+}
+
+fn press_with(coupling: Coupling) -> Option<Pose> {
+    let mut block = Block::new(&SMALL);
+    let mut world = World::create(block.bytes(), &SMALL).unwrap();
+    floor(&mut world);
+    let def = BodyDef {
+        coupling,
+        ..BodyDef::new(BodyKind::Driven, Pose::at(0.0, 0.2, 0.0))
+    };
+    let hand = world.add_body(&def).ok()?;
+    add_piece(&mut world, hand, &PieceDef::new(Shape::Box([0.05; 3]), 0.0));
+    for frame in 0..60 {
+        world
+            .set_target(
+                hand,
+                &Pose::at(0.0, if frame < 30 { -0.1 } else { 0.3 }, 0.0),
+            )
+            .unwrap();
+        world.step(&FrameInput::unlimited(FRAME_S));
+        let pose = world.pose(hand).unwrap();
+        let r = world.driven_report(hand).unwrap();
+        assert!(
+            pose.is_finite()
+                && r.force_n.iter().all(|x| x.is_finite())
+                && r.displacement_m.is_finite(),
+            "{coupling:?} {frame} {pose:?} {r:?}"
+        );
+    }
+    Some(world.pose(hand).unwrap())
+}
+#[test]
+fn no_coupling_makes_a_pose_that_is_not_finite() {
+    let usual = Coupling::DEFAULT;
+    let masses = [1e-44, 1e-38, 1e-6, 0.1, 1e6, 3e38].map(|mass_kg| Coupling { mass_kg, ..usual });
+    let springs = [0.0, 1e9, 3e38].map(|stiffness_n_per_m| Coupling {
+        stiffness_n_per_m,
+        ..usual
+    });
+    let dampers = [0.0, 1e6, 1e9, 3e38].map(|damping_n_s_per_m| Coupling {
+        damping_n_s_per_m,
+        ..usual
+    });
+    let mut accepted = 0;
+    for coupling in masses.into_iter().chain(springs).chain(dampers) {
+        accepted += u32::from(press_with(coupling).is_some());
+    }
+    assert_eq!(accepted, 8, "extremes are refused, everything else works");
+}
+
+#[test]
+fn an_overdamped_spring_keeps_its_slow_part() {
+    for (mass, k, r) in [(0.1, 1000.0, 1e6), (0.001, 1000.0, 400.0), (0.1, 10.0, 1e4)] {
+        let coupling = Coupling {
+            mass_kg: mass,
+            stiffness_n_per_m: k,
+            damping_n_s_per_m: r,
+            ..Coupling::DEFAULT
+        };
+        let a = 0.5 * f64::from(r) / f64::from(mass);
+        let root = (a * a - f64::from(k) / f64::from(mass)).sqrt();
+        let (slow, fast) = (-f64::from(k) / f64::from(mass) / (a + root), -a - root);
+        for dt in [0.0137, 1.0 / 60.0, 1.0 / 90.0, 0.05, 0.1, 1.0] {
+            let xx = f64::from(palpable::couple::SpringMap::new(&coupling, dt).xx);
+            let h = f64::from(dt);
+            let exact = (slow * (fast * h).exp() - fast * (slow * h).exp()) / (slow - fast);
+            // Two roundings of a and of the root, relative to a h = 5e4 at most, in a factor near 1.
+            assert!(
+                (xx - exact).abs() < 2e-6,
+                "R {r} dt {dt}: {xx}, exactly {exact}"
+            );
+        }
+    }
+}
+
+fn loose(velocity: [f32; 3], spin: [f32; 3], gravity: [f32; 3], density: f32) {
+    let mut block = Block::new(&SMALL);
+    let mut world = World::create(block.bytes(), &SMALL).unwrap();
+    floor(&mut world);
+    world.set_gravity(gravity);
+    let body = world
+        .add_body(&BodyDef::new(BodyKind::Dynamic, Pose::at(0.0, 0.2, 0.0)))
+        .unwrap();
+    let Ok(_) = world.add_piece(
+        body,
+        &PieceDef {
+            density_kg_m3: density,
+            ..PieceDef::new(Shape::Box([0.05; 3]), 0.0)
+        },
+    ) else {
+        return;
+    };
+    if world.set_velocity(body, velocity, spin).is_err() {
+        return;
+    }
+    for frame in 0..300 {
+        let r = world.step(&FrameInput::unlimited(FRAME_S));
+        let pose = world.pose(body).unwrap();
+        let (v, w) = world.velocity(body).unwrap();
+        assert!(
+            pose.is_finite() && v.iter().chain(&w).all(|x| x.is_finite()),
+            "frame {frame}: {pose:?} {v:?} {w:?} {r:?}"
+        );
+        let gap = lowest_corner(&pose, [0.05; 3]);
+        let above = pose.position[0].abs() < 19.0 && pose.position[2].abs() < 19.0;
+        assert!(!above || gap > -1e-3, "frame {frame} gap {gap}");
+    }
+}
+const G: [f32; 3] = [0.0, -9.81, 0.0];
+#[test]
+fn no_speed_gravity_or_density_makes_a_frame_endless_or_a_pose_not_finite() {
+    const STILL: [f32; 3] = [0.0; 3];
+    for down in [-1e30, -1e12, -1e3, 1e3, 1e30] {
+        loose([0.0, down, 0.0], STILL, G, 700.0);
+        loose(STILL, STILL, [0.0, down, 0.0], 700.0);
+    }
+    for fast in [1e3, 1e4, 1e20, 1e38, f32::MAX] {
+        loose([fast; 3], STILL, G, 700.0);
+        loose(STILL, [fast, 0.2 * fast, 0.5 * fast], G, 700.0);
+    }
+    for density in [1e-44, 1e-38, 1e38] {
+        loose(STILL, [1.0; 3], G, density);
+    }
+}
+
+#[test]
+fn a_snapshot_damaged_behind_its_header_is_refused() {
+    let mut block = Block::new(&SMALL);
+    let mut world = World::create(block.bytes(), &SMALL).unwrap();
+    floor(&mut world);
+    add_box(
+        &mut world,
+        BodyKind::Dynamic,
+        Pose::at(0.0, 0.06, 0.0),
+        [0.05; 3],
+    );
+    let mut buffer = vec![0; world.snapshot_bytes()];
+    let end = world.save(&mut buffer).unwrap();
+    let mut accepted = 0;
+    let mut panics = 0;
+    for index in 56..end {
+        let mut bad = buffer.clone();
+        bad[index] ^= 0x80;
+        if world.load(&bad).is_ok() {
+            accepted += 1;
+            let done = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+                world.step(&FrameInput::unlimited(FRAME_S));
+            }));
+            panics += u32::from(done.is_err());
+        }
+    }
+    assert_eq!((accepted, panics), (0, 0));
+}
+
+#[test]
+fn loose_box_kept_awake_rests_to_the_bit() {
+    let mut block = Block::new(&SMALL);
+    let mut world = World::create(block.bytes(), &SMALL).unwrap();
+    floor(&mut world);
+    let b = add_box(
+        &mut world,
+        BodyKind::Dynamic,
+        Pose::at(0.0, 0.0502, 0.0),
+        [0.05; 3],
+    );
+    let hand = ball(&mut world, BodyKind::Driven, [0.3, 0.5, 0.0], 0.05);
+    let mut flags = 0;
+    let mut low = 1.0_f64;
+    for frame in 0..3000 {
+        // near: 2 mm above the box's face, moving to and fro
+        world
+            .set_target(
+                hand,
+                &Pose::at(0.0, 0.1502 + 0.001 + 0.0002 * (frame % 2) as f32, 0.0),
+            )
+            .unwrap();
+        let r = world.step(&FrameInput::unlimited(FRAME_S));
+        flags |= r.flags;
+        low = low.min(lowest_corner(&world.pose(b).unwrap(), [0.05; 3]));
+        if frame % 300 == 0 {
+            println!("{frame} {:?} {low}", world.pose(b).unwrap());
+        }
+    }
+    assert_eq!(flags, 0, "low {low} {:?}", world.pose(b).unwrap());
+}
