@@ -42,6 +42,8 @@ pub(crate) fn run(state: &mut State, dt_s: f32, units: u32, report: &mut FrameRe
     if !begin(state, dt_s) {
         return;
     }
+    sweep::begin(state);
+    let mut pairs = None;
     let mut time = 0.0;
     let mut stalls = 0;
     for _ in 0..EVENTS_MAX {
@@ -50,7 +52,7 @@ pub(crate) fn run(state: &mut State, dt_s: f32, units: u32, report: &mut FrameRe
             to: next_break(state, time),
             dt_s,
         };
-        let Some(reached) = event(state, &stretch, &mut purse, report) else {
+        let Some(reached) = event(state, &stretch, &mut pairs, &mut purse, report) else {
             break;
         };
         let progress = reached - time;
@@ -78,15 +80,22 @@ pub(crate) fn run(state: &mut State, dt_s: f32, units: u32, report: &mut FrameRe
 fn event(
     state: &mut State,
     stretch: &Stretch,
+    pairs: &mut Option<usize>,
     purse: &mut Purse,
     report: &mut FrameReport,
 ) -> Option<f32> {
-    let count = sweep::collect(state, stretch, report)?;
+    if !sweep::update(state, stretch, pairs) {
+        report.set(FrameReport::FULL_PAIRS);
+    }
+    let count = (*pairs)?;
     let constraints = solve::gather(state, count, stretch, purse, report)?;
     report.impulses += patch::run(state, constraints);
     report.impulses += queue::run(state, constraints, purse);
     solve::record(state, constraints, report);
-    let count = sweep::collect(state, stretch, report)?;
+    if !sweep::update(state, stretch, pairs) {
+        report.set(FrameReport::FULL_PAIRS);
+    }
+    let count = (*pairs)?;
     let reached = sweep::run(state, count, stretch, purse);
     movers::advance_all(state, stretch, reached);
     Some(if reached >= 1.0 {

@@ -103,6 +103,10 @@ pub const LOOSE_REST_M: f32 = 2.5 * OVERLAP_SLOP_M;
 /// in metres.
 pub const LOOSE_BAND_M: f32 = 0.5 * OVERLAP_SLOP_M;
 
+/// Advancing loose bodies stops when a step would be shorter than this, in metres. A tenth of what
+/// lies between the rest gap and the floor: shorter steps cost queries and gain nothing that is seen.
+pub const LOOSE_STEP_MIN_M: f32 = 0.05 * OVERLAP_SLOP_M;
+
 /// Pairs of loose bodies closer than this get a velocity constraint, in metres.
 pub const LOOSE_MARGIN_M: f32 = 20.0 * OVERLAP_SLOP_M;
 

@@ -98,7 +98,7 @@ fn a_sliding_block_stops_after_the_right_time_and_way() {
 }
 
 use palpable::frame::FrameReport;
-use palpable::state::bodies::{Coupling, DrivenReport};
+use palpable::state::bodies::Coupling;
 const SMALL: Capacities = Capacities {
     bodies: 4,
     pieces: 16,

@@ -9,7 +9,7 @@
  * Memory. A world lies in one block of the host's memory, `palp_memory_bytes` long and aligned to
  * PALP_BLOCK_ALIGNMENT, and nowhere else. The library allocates nothing, keeps no pointer that it is
  * given and has no global state. The handle is the block's address: there is nothing to destroy, and
- * a copy of the block is a second world.
+ * a copy of the block is a second world. Give a thread that calls the library 512 kB of stack.
  *
  * Threads. A call with `const palp_world *` is safe beside other such calls on the same world. Any
  * other call needs the world for itself. Distinct worlds are independent.
@@ -935,7 +935,7 @@ palp_status palp_driven_report(const struct palp_world *world,
                                struct palp_driven_state *state);
 
 /**
- * Adds a piece to a body, behind those it has. Uses up to 1 MB of stack while it builds a hull.
+ * Adds a piece to a body, behind those it has. Builds its hull on the stack.
  */
 palp_status palp_piece_add(struct palp_world *world,
                            struct palp_body_id body,
@@ -1010,12 +1010,13 @@ palp_status palp_contacts(const struct palp_world *world,
                           uint32_t *count);
 
 /**
- * Bytes that `palp_state_save` writes: the same for a world's whole life.
+ * Bytes that `palp_state_save` writes: depends on the capacities alone.
  */
 palp_status palp_state_bytes(const struct palp_world *world, size_t *bytes);
 
 /**
- * Copies the state into a buffer of `bytes` bytes of any alignment. `written` may be null.
+ * Copies the state into a buffer of `bytes` bytes of any alignment, at least as many as
+ * `palp_state_bytes` says, which is how many are written. `written` may be null.
  */
 palp_status palp_state_save(const struct palp_world *world,
                             void *buffer,
@@ -1024,7 +1025,8 @@ palp_status palp_state_save(const struct palp_world *world,
 
 /**
  * Rolls the world back to a state saved from it, or from one with the same capacities. Ids of that
- * time are good again.
+ * time are good again. Its head is checked and the rest is not: load only what `palp_state_save`
+ * wrote.
  */
 palp_status palp_state_load(struct palp_world *world, const void *buffer, size_t bytes);
 

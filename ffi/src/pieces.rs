@@ -99,7 +99,7 @@ fn piece_def<'a>(def: &palp_piece_def, shape: Shape<'a>) -> PieceDef<'a> {
     }
 }
 
-/// Adds a piece to a body, behind those it has. Uses up to 1 MB of stack while it builds a hull.
+/// Adds a piece to a body, behind those it has. Builds its hull on the stack.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palp_piece_add(
     world: *mut palp_world,

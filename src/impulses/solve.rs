@@ -4,11 +4,10 @@ use glam::{Mat3, Vec3};
 
 use super::Stretch;
 use super::movers::{centre_pose, is_stopped, spin};
-use super::sweep::{moving_pair, prescribed};
+use super::sweep::{measure, prescribed};
 use crate::frame::FrameReport;
 use crate::frame::budget::Purse;
-use crate::geometry::manifold::{Contact, manifold};
-use crate::geometry::separation::core_gap;
+use crate::geometry::manifold::Contact;
 use crate::limits::{
     BOUNCE_MIN, GAP_FLOOR_M, GAP_RESTORED, LOOSE_BAND_M, LOOSE_MARGIN_M, LOOSE_REST_M,
     RESTORING_SPEED_MAX,
@@ -32,16 +31,14 @@ pub(super) fn gather(
         if !purse.take() {
             return None;
         }
+        let Some(measured) = measure(state, index, stretch) else {
+            continue;
+        };
         let pair = state.pairs.list[index];
-        let moving = moving_pair(state, &pair, stretch);
-        let (pose_a, pose_b) = (moving.motion_a.at(0.0), moving.motion_b.at(0.0));
-        let a_in_b = pose_a.seen_from(&pose_b);
-        let seed = a_in_b.point(moving.a.centre) - moving.b.centre;
-        let core = core_gap(&moving.a, &moving.b, &a_in_b, seed);
-        for contact in manifold(&moving.a, &moving.b, &a_in_b, &core, LOOSE_MARGIN_M) {
+        for contact in measured.contacts {
             let contact = Contact {
-                point: pose_b.point(contact.point),
-                normal: pose_b.quat() * contact.normal,
+                point: measured.pose_b.point(contact.point),
+                normal: measured.pose_b.quat() * contact.normal,
                 ..contact
             };
             let constraint = constraint(state, index as u32, &pair, &contact, stretch);

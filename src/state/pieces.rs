@@ -79,6 +79,10 @@ impl Bounds {
         math::max(apart.x, math::max(apart.y, apart.z))
     }
 
+    pub(crate) fn contains(&self, other: &Self) -> bool {
+        self.low.cmple(other.low).all() && self.high.cmpge(other.high).all()
+    }
+
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         (self.low.x <= other.high.x)
             & (self.high.x >= other.low.x)

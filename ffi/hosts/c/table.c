@@ -17,6 +17,10 @@
 #define PIECES (1 + 2 * FINGERS)
 #define FINGER_RADIUS 0.008f
 #define FINGER_LENGTH 0.035f
+#define PALM_X 0.04f
+#define PALM_Y 0.008f
+#define PALM_Z 0.045f
+#define PALM_RADIUS 0.005f
 #define BALL_RADIUS 0.04f
 
 /* XrHandJointLocationEXT. */
@@ -162,10 +166,10 @@ static palp_body_id add_hand(palp_world *world, palp_piece_id pieces[PIECES]) {
     int p;
     palm.shape = PALP_SHAPE_BOX;
     palm.material = PALP_MATERIAL_HUMAN;
-    palm.a.x = 0.04f;
-    palm.a.y = 0.008f;
-    palm.a.z = 0.045f;
-    palm.radius_m = 0.005f;
+    palm.a.x = PALM_X;
+    palm.a.y = PALM_Y;
+    palm.a.z = PALM_Z;
+    palm.radius_m = PALM_RADIUS;
     palm.local_pose.position.z = -0.05f;
     pieces[0] = add_piece(world, hand, &palm);
     finger.shape = PALP_SHAPE_SEGMENT;
@@ -187,25 +191,51 @@ static float lowest_of_finger(const palp_pose *pose) {
     return (tip < pose->position.y ? tip : pose->position.y) - FINGER_RADIUS;
 }
 
+static float size_of(float x) {
+    return x < 0.0f ? -x : x;
+}
+
+/* The lowest point of the rounded palm. */
+static float lowest_of_palm(const palp_pose *pose) {
+    const palp_quat q = pose->orientation;
+    const float down_x = size_of(2.0f * (q.x * q.y + q.w * q.z)) * PALM_X;
+    const float down_y = size_of(1.0f - 2.0f * (q.x * q.x + q.z * q.z)) * PALM_Y;
+    const float down_z = size_of(2.0f * (q.y * q.z - q.w * q.x)) * PALM_Z;
+    return pose->position.y - down_x - down_y - down_z - PALM_RADIUS;
+}
+
+/* Judged by the published poses alone. */
 static void check_no_overlap(const palp_world *world, const palp_piece_id pieces[PIECES],
                              palp_body_id ball, int frame) {
     const palp_pose *poses;
-    const palp_contact *contacts;
     palp_pose ball_pose;
     uint32_t count;
-    uint32_t i;
+    int p;
     ok(palp_piece_poses(world, &poses, &count), "palp_piece_poses");
-    for (i = 1; i < PIECES; i++) {
-        check(pieces[i].index1 <= count, "a piece without a pose", frame);
-        check(lowest_of_finger(&poses[pieces[i].index1 - 1]) > TABLE_TOP - 1e-4f,
+    check(lowest_of_palm(&poses[pieces[0].index1 - 1]) > TABLE_TOP - 1e-4f,
+          "the palm is in the table", frame);
+    for (p = 1; p < PIECES; p++) {
+        check(pieces[p].index1 <= count, "a piece without a pose", frame);
+        check(lowest_of_finger(&poses[pieces[p].index1 - 1]) > TABLE_TOP - 1e-4f,
               "a finger is in the table", frame);
     }
     ok(palp_body_pose(world, ball, &ball_pose), "palp_body_pose");
     check(ball_pose.position.y - BALL_RADIUS > TABLE_TOP - 1e-3f, "the ball is in the table", frame);
+}
+
+/* How many contacts the last frame had, each between two pieces and with a normal. */
+static uint32_t count_contacts(const palp_world *world, int frame) {
+    const palp_contact *contacts;
+    uint32_t count, i;
     ok(palp_contacts(world, &contacts, &count), "palp_contacts");
     for (i = 0; i < count; i++) {
-        check(contacts[i].gap_m > -1e-3f, "a contact overlaps", frame);
+        const palp_vec3 n = contacts[i].normal;
+        const float length = n.x * n.x + n.y * n.y + n.z * n.z;
+        check(contacts[i].piece_a.index1 != 0 && contacts[i].piece_b.index1 != 0,
+              "a contact without pieces", frame);
+        check(length > 0.999f && length < 1.001f, "a contact without normal", frame);
     }
+    return count;
 }
 
 static void check_no_lag(const palp_world *world, palp_body_id hand, const palp_pose *target,
@@ -229,11 +259,12 @@ static palp_status step_frame(palp_world *world, palp_body_id hand, int frame,
     return seen;
 }
 
-static int run(palp_world *world) {
+static void run(palp_world *world) {
     joint_location joints[PALP_HAND_JOINTS];
     palp_piece_id pieces[PIECES];
     palp_body_id ball, hand;
     palp_pose before, after;
+    uint32_t contacts = 0;
     int frame, touching = 0, ignored = 0;
     add_table(world);
     ball = add_ball(world);
@@ -243,6 +274,7 @@ static int run(palp_world *world) {
         palp_driven_state state = PALP_DRIVEN_STATE_INIT;
         ignored += step_frame(world, hand, frame, joints) == PALP_JOINTS_IGNORED;
         check_no_overlap(world, pieces, ball, frame);
+        contacts += count_contacts(world, frame);
         if (frame < IDLE_END) {
             check_no_lag(world, hand, &joints[WRIST].pose, frame);
         }
@@ -251,9 +283,9 @@ static int run(palp_world *world) {
     }
     ok(palp_body_pose(world, ball, &after), "palp_body_pose");
     check(touching > 60, "the hand hardly touched anything", frame);
+    check(contacts > 60, "hardly any contacts", frame);
     check(ignored == 10, "bad joints went unnoticed", frame);
     check(after.position.x > before.position.x + 0.05f, "the ball was not pushed", frame);
-    return 0;
 }
 
 /* The next address that a block may start at. */

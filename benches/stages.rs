@@ -1,0 +1,106 @@
+//! How long things take here and now.
+//!
+//! Goals: ratios between two versions on one quiet machine (`cargo bench --bench stages -- --save-baseline
+//! before`, then `-- --baseline before`), and figures to read beside the instruction counts.
+//! Not goals: a limit that a shared machine could miss, the worst case (a median says nothing of
+//! it), and comparisons between machines.
+//!
+//! Before anything is measured, the hash of what every scene comes to is printed. A version that is
+//! faster and prints other hashes computes something else; look at `tests/golden.rs` then.
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+#[path = "../tests/common/pairs.rs"]
+mod pairs;
+#[path = "../tests/common/scenes.rs"]
+mod scenes;
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use criterion::Criterion;
+use palpable::geometry::distance::distance;
+use palpable::geometry::penetration::core_penetration;
+
+use scenes::Scene;
+
+/// Frames of one sample: those that the instruction counts count.
+const FRAMES: u32 = 10;
+
+/// Name, scene, and how many frames pass before the measured ones.
+type Case = (&'static str, fn() -> Scene, u32);
+
+const CASES: [Case; 8] = [
+    ("empty", scenes::empty, 0),
+    ("free hand beside 0", || scenes::free_hand(0), 30),
+    ("free hand beside 16", || scenes::free_hand(16), 30),
+    ("free hand beside 56", || scenes::free_hand(56), 30),
+    ("free hand beside 64", || scenes::free_hand(64), 30),
+    ("pressed hand at rest", scenes::pressed_hand, 120),
+    ("slid hand", scenes::slid_hand, 60),
+    ("rolling sphere", scenes::rolling_sphere, 60),
+];
+
+fn main() {
+    for (name, make, before) in CASES {
+        let hash = make().after(before + FRAMES).world.hash();
+        println!("state {hash:016x} after {name}");
+    }
+    let mut criterion = Criterion::default().configure_from_args();
+    geometry(&mut criterion);
+    frames(&mut criterion);
+    criterion.final_summary();
+}
+
+fn geometry(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("geometry");
+    for (name, pair) in [
+        ("distance of boxes", pairs::boxes_apart()),
+        ("distance of hulls of 32", pairs::hulls_apart()),
+    ] {
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| {
+                let pair = black_box(&pair);
+                distance(&pair.a, &pair.b, &pair.a_in_b, pair.seed())
+            });
+        });
+    }
+    for (name, pair) in [
+        ("penetration of boxes", pairs::boxes_shallow()),
+        ("penetration of hulls of 32", pairs::hulls_shallow()),
+    ] {
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| {
+                let pair = black_box(&pair);
+                core_penetration(&pair.a, &pair.b, &pair.a_in_b)
+            });
+        });
+    }
+    group.finish();
+}
+
+/// Ten frames a sample, each sample from the same snapshot: a scene that runs on comes to rest.
+fn frames(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("ten frames");
+    for (name, make, before) in CASES {
+        let mut scene = make().after(before);
+        let mut start = vec![0; scene.world.snapshot_bytes()];
+        scene.world.save(&mut start).unwrap();
+        group.bench_function(name, |bencher| {
+            bencher.iter_custom(|samples| {
+                let mut time = Duration::ZERO;
+                for _ in 0..samples {
+                    scene.world.load(&start).unwrap();
+                    scene.frame = before;
+                    let begun = Instant::now();
+                    for _ in 0..FRAMES {
+                        black_box(scene.step());
+                    }
+                    time += begun.elapsed();
+                }
+                time
+            });
+        });
+    }
+    group.finish();
+}

@@ -1,0 +1,373 @@
+//! Scenes that goldens and benches share, built with + - * / alone: every processor starts from the
+//! same bits.
+#![allow(
+    dead_code,
+    unreachable_pub,
+    reason = "every test and bench uses a part of it"
+)]
+
+use palpable::frame::{FrameInput, FrameReport};
+use palpable::math::Pose;
+use palpable::memory::{BodyId, Capacities};
+use palpable::state::bodies::BodyKind;
+use palpable::state::materials::Material;
+use palpable::world::{BodyDef, PieceDef, Shape, World};
+
+use crate::common::{Block, add_box, add_piece};
+
+/// Length of a frame, in seconds.
+pub const FRAME_S: f32 = 1.0 / 90.0;
+
+/// Where the tracker sees the driven body in a frame.
+pub type Script = fn(u32) -> Pose;
+
+/// A world, and what happens in it.
+pub struct Scene {
+    pub world: World<'static>,
+    /// The body whose pose tells a reader what goes on; null when there is none.
+    pub shown: BodyId,
+    driven: Option<(BodyId, Script)>,
+    /// Poses of the driven body's pieces in a frame.
+    bending: Option<fn(u32) -> Vec<Pose>>,
+    pub frame: u32,
+}
+
+impl Scene {
+    fn new(world: World<'static>, shown: BodyId) -> Self {
+        Self {
+            world,
+            shown,
+            driven: None,
+            bending: None,
+            frame: 0,
+        }
+    }
+
+    fn driven_by(mut self, body: BodyId, script: Script) -> Self {
+        self.driven = Some((body, script));
+        self
+    }
+
+    /// Tells the trackers' news and steps the world.
+    pub fn step(&mut self) -> FrameReport {
+        if let Some((body, script)) = self.driven {
+            self.world.set_target(body, &script(self.frame)).unwrap();
+            if let Some(bending) = self.bending {
+                let poses = bending(self.frame);
+                self.world.set_piece_targets(body, &poses).unwrap();
+            }
+        }
+        self.frame += 1;
+        self.world.step(&FrameInput::unlimited(FRAME_S))
+    }
+
+    /// The scene after so many frames.
+    #[must_use]
+    pub fn after(mut self, frames: u32) -> Self {
+        for _ in 0..frames {
+            self.step();
+        }
+        self
+    }
+}
+
+/// An empty world. Its memory is given back when the program ends: a scene moves, and a world
+/// borrows.
+fn world() -> World<'static> {
+    let block = Box::leak(Box::new(Block::new(&Capacities::ROOM)));
+    World::create(block.bytes(), &Capacities::ROOM).unwrap()
+}
+
+/// A floor whose top is at y = 0.
+fn floor(world: &mut World) {
+    let pose = Pose::at(0.0, -0.5, 0.0);
+    add_box(world, BodyKind::Fixed, pose, [2.0, 0.5, 2.0]);
+}
+
+fn add_body(world: &mut World, kind: BodyKind, pose: Pose) -> BodyId {
+    world.add_body(&BodyDef::new(kind, pose)).unwrap()
+}
+
+fn add_sphere(world: &mut World, pose: Pose, radius_m: f32) -> BodyId {
+    let body = add_body(world, BodyKind::Dynamic, pose);
+    add_piece(world, body, &PieceDef::new(Shape::Point, radius_m));
+    body
+}
+
+/// How far between `first` and `last` a frame is, from 0 to 1.
+fn share(frame: u32, first: u32, last: u32) -> f32 {
+    if frame <= first {
+        0.0
+    } else if frame >= last {
+        1.0
+    } else {
+        (frame - first) as f32 / (last - first) as f32
+    }
+}
+
+/// A turn about x with the tangent of a quarter of the angle.
+fn turned_about_x(quarter_tangent: f32) -> [f32; 4] {
+    let square = quarter_tangent * quarter_tangent;
+    let scale = 1.0 + square;
+    [
+        2.0 * quarter_tangent / scale,
+        0.0,
+        0.0,
+        (1.0 - square) / scale,
+    ]
+}
+
+// What the goldens watch.
+
+/// A sphere falls on a floor, bounces, and rolls out.
+pub fn falling_sphere() -> Scene {
+    let mut world = world();
+    floor(&mut world);
+    let sphere = add_sphere(&mut world, Pose::at(0.1, 0.4, -0.2), 0.05);
+    world
+        .set_velocity(sphere, [0.3, 0.0, 0.1], [0.0, 2.0, 0.0])
+        .unwrap();
+    Scene::new(world, sphere)
+}
+
+/// Two boxes, one on the other; a driven capsule pushes the lower one.
+pub fn pushed_stack() -> Scene {
+    let mut world = world();
+    floor(&mut world);
+    let half = [0.06, 0.05, 0.07];
+    add_box(
+        &mut world,
+        BodyKind::Dynamic,
+        Pose::at(0.0, 0.0503, 0.0),
+        half,
+    );
+    let upper = Pose::at(0.01, 0.1508, 0.005);
+    let upper = add_box(&mut world, BodyKind::Dynamic, upper, half);
+    let pusher = add_body(&mut world, BodyKind::Driven, Pose::at(-0.3, 0.06, 0.0));
+    let capsule = Shape::Segment([0.0, 0.0, -0.03], [0.0, 0.0, 0.03]);
+    add_piece(&mut world, pusher, &PieceDef::new(capsule, 0.02));
+    Scene::new(world, upper).driven_by(pusher, |frame| {
+        Pose::at(-0.3 + 0.5 * share(frame, 30, 150), 0.06, 0.004)
+    })
+}
+
+/// A palm and five capsules bend while they are pressed on a box, slid over its edge and lifted.
+pub fn sliding_hand() -> Scene {
+    let mut world = world();
+    floor(&mut world);
+    add_box(
+        &mut world,
+        BodyKind::Fixed,
+        Pose::at(0.0, 0.1, 0.0),
+        [0.25, 0.1, 0.25],
+    );
+    let hand = add_body(&mut world, BodyKind::Driven, Pose::at(0.0, 0.4, 0.1));
+    let palm = PieceDef {
+        material: Material::HUMAN,
+        ..PieceDef::new(Shape::Box([0.035, 0.006, 0.04]), 0.006)
+    };
+    add_piece(&mut world, hand, &palm);
+    let finger = Shape::Segment([0.0, 0.0, 0.0], [0.0, 0.0, -0.07]);
+    for local in fingers(0).into_iter().skip(1) {
+        let def = PieceDef {
+            local,
+            material: Material::HUMAN,
+            ..PieceDef::new(finger, 0.009)
+        };
+        add_piece(&mut world, hand, &def);
+    }
+    let mut scene = Scene::new(world, hand).driven_by(hand, |frame| {
+        let pressed = share(frame, 0, 45) - share(frame, 180, 225);
+        let slid = share(frame, 60, 150);
+        Pose::at(0.4 * slid, 0.4 - 0.27 * pressed, 0.1 - 0.05 * slid)
+    });
+    scene.bending = Some(fingers);
+    scene
+}
+
+/// The pieces of the sliding hand: the palm and five bending fingers.
+fn fingers(frame: u32) -> Vec<Pose> {
+    let mut poses = vec![Pose::IDENTITY];
+    for number in 0..5 {
+        let bend = share(frame, 20 + 7 * number, 110) - share(frame, 120, 200);
+        poses.push(Pose {
+            rotation: turned_about_x(-0.15 * bend),
+            position: [-0.036 + 0.018 * number as f32, 0.0, -0.045],
+        });
+    }
+    poses
+}
+
+/// A body of a box, a hull and a capsule falls into a corner of three fixed boxes.
+pub fn compound_in_a_corner() -> Scene {
+    let mut world = world();
+    floor(&mut world);
+    for (x, z) in [(-0.6, 0.0), (0.0, -0.6)] {
+        let pose = Pose::at(x, 0.5, z);
+        add_box(&mut world, BodyKind::Fixed, pose, [0.5, 0.5, 0.5]);
+    }
+    let pose = Pose {
+        rotation: [0.36, 0.48, 0.0, 0.8],
+        position: [0.02, 0.2, 0.03],
+    };
+    let body = add_body(&mut world, BodyKind::Dynamic, pose);
+    add_piece(
+        &mut world,
+        body,
+        &PieceDef::new(Shape::Box([0.03, 0.04, 0.05]), 0.0),
+    );
+    let points = blob(12, 0.045);
+    let hull = PieceDef {
+        local: Pose::at(0.06, 0.01, 0.0),
+        ..PieceDef::new(Shape::Hull(&points), 0.0)
+    };
+    add_piece(&mut world, body, &hull);
+    let rod = Shape::Segment([-0.05, 0.05, 0.0], [0.04, 0.08, 0.02]);
+    add_piece(&mut world, body, &PieceDef::new(rod, 0.015));
+    world
+        .set_velocity(body, [-0.5, 0.0, -0.4], [0.5, 0.0, -0.5])
+        .unwrap();
+    Scene::new(world, body)
+}
+
+// What the benches measure.
+
+/// So many points of a sphere, none of which is inside the hull of the others, by stereographic
+/// projection of points of the unit square, alternating between the two halves.
+pub fn blob(count: u32, radius_m: f32) -> Vec<[f32; 3]> {
+    (0..count)
+        .map(|number| {
+            // Steps of the R2 sequence (Roberts 2018): even, and no two faces are parallel.
+            let u = fraction(number, 3_242_174_889);
+            let v = fraction(number, 2_447_445_414);
+            let square = u * u + v * v;
+            let height = (1.0 - square) / (1.0 + square);
+            let side = if number % 2 == 0 { height } else { -height };
+            let scale = 2.0 * radius_m / (1.0 + square);
+            [scale * u, radius_m * side, scale * v]
+        })
+        .collect()
+}
+
+/// A number from -0.85 to 0.85: the upper bits of a multiple.
+fn fraction(number: u32, step: u32) -> f32 {
+    let bits = number.wrapping_mul(step).wrapping_add(1 << 28) >> 12;
+    (bits as f32 / (1 << 20) as f32 - 0.5) * 1.7
+}
+
+/// A rounded rod along z: four rings of eight points within these half extents.
+pub fn rod(half: [f32; 3]) -> Vec<[f32; 3]> {
+    const DIAGONAL: f32 = 0.707_106_77;
+    const RING: [[f32; 2]; 8] = [
+        [1.0, 0.0],
+        [DIAGONAL, DIAGONAL],
+        [0.0, 1.0],
+        [-DIAGONAL, DIAGONAL],
+        [-1.0, 0.0],
+        [-DIAGONAL, -DIAGONAL],
+        [0.0, -1.0],
+        [DIAGONAL, -DIAGONAL],
+    ];
+    let rings = [(-1.0, 0.6), (-0.6, 1.0), (0.6, 1.0), (1.0, 0.6)];
+    rings
+        .iter()
+        .flat_map(|&(z, scale)| {
+            RING.map(|[x, y]| [scale * x * half[0], scale * y * half[1], z * half[2]])
+        })
+        .collect()
+}
+
+/// A flat hand of 18 hulls of 32 points, as many parts as the hand of Schmidl and Lin 2004 has.
+fn add_hand(world: &mut World, pose: Pose) -> BodyId {
+    let hand = add_body(world, BodyKind::Driven, pose);
+    add_rod(world, hand, [0.025, 0.015, 0.03], [0.0, 0.0, 0.06]);
+    add_rod(world, hand, [0.02, 0.014, 0.045], [-0.02, 0.0, -0.005]);
+    add_rod(world, hand, [0.02, 0.014, 0.045], [0.02, 0.0, -0.005]);
+    for bone in 0..3 {
+        let along = bone as f32;
+        let at = [-0.05 - 0.008 * along, 0.0, 0.01 - 0.03 * along];
+        add_rod(world, hand, [0.009, 0.009, 0.018], at);
+        for finger in 0..4 {
+            let at = [-0.03 + 0.02 * finger as f32, 0.0, -0.06 - 0.03 * along];
+            add_rod(world, hand, [0.008, 0.008, 0.017], at);
+        }
+    }
+    hand
+}
+
+fn add_rod(world: &mut World, body: BodyId, half: [f32; 3], at: [f32; 3]) {
+    let points = rod(half);
+    let def = PieceDef {
+        local: Pose::at(at[0], at[1], at[2]),
+        material: Material::HUMAN,
+        ..PieceDef::new(Shape::Hull(&points), 0.0)
+    };
+    add_piece(world, body, &def);
+}
+
+/// A table whose top is at y = 0, and boxes far from it, so many fixed pieces in all.
+fn furnish(world: &mut World, pieces: u32) {
+    if pieces > 0 {
+        let pose = Pose::at(0.0, -0.02, 0.0);
+        add_box(world, BodyKind::Fixed, pose, [1.5, 0.02, 1.0]);
+    }
+    // Rows of boxes behind it, 16 to a body, because a room has more pieces than things.
+    let mut body = BodyId::NULL;
+    for number in 1..pieces {
+        if number % 16 == 1 {
+            body = add_body(world, BodyKind::Fixed, Pose::at(0.0, 0.3, -2.0));
+        }
+        let (column, row) = (number % 8, number / 8);
+        let def = PieceDef {
+            local: Pose::at(-0.9 + 0.25 * column as f32, 0.0, -0.3 * row as f32),
+            ..PieceDef::new(Shape::Box([0.1, 0.1, 0.1]), 0.0)
+        };
+        add_piece(world, body, &def);
+    }
+}
+
+fn hand_scene(fixed_pieces: u32, script: Script) -> Scene {
+    let mut world = world();
+    furnish(&mut world, fixed_pieces);
+    let hand = add_hand(&mut world, script(0));
+    Scene::new(world, hand).driven_by(hand, script)
+}
+
+/// Nothing at all.
+pub fn empty() -> Scene {
+    Scene::new(world(), BodyId::NULL)
+}
+
+/// A hand moves through free air, 0.2 m above a table and beside so many fixed pieces in all.
+pub fn free_hand(fixed_pieces: u32) -> Scene {
+    hand_scene(fixed_pieces, |frame| {
+        Pose::at(0.001 * frame as f32, 0.2, 0.0)
+    })
+}
+
+/// A hand is pressed 0.1 m into a table and held there.
+pub fn pressed_hand() -> Scene {
+    hand_scene(56, |frame| {
+        Pose::at(0.0, 0.1 - 0.2 * share(frame, 0, 30), 0.0)
+    })
+}
+
+/// A hand is pressed 30 mm into a table and moves along it at 0.9 m/s.
+pub fn slid_hand() -> Scene {
+    hand_scene(56, |frame| {
+        let slid = share(frame, 30, 130);
+        let pressed = share(frame, 0, 20);
+        Pose::at(-0.5 + slid, 0.1 - 0.13 * pressed, 0.0)
+    })
+}
+
+/// A sphere rolls over a table.
+pub fn rolling_sphere() -> Scene {
+    let mut world = world();
+    furnish(&mut world, 1);
+    let sphere = add_sphere(&mut world, Pose::at(-1.0, 0.0503, 0.0), 0.05);
+    world
+        .set_velocity(sphere, [0.6, 0.0, 0.0], [0.0, 0.0, -12.0])
+        .unwrap();
+    Scene::new(world, sphere)
+}
