@@ -7,6 +7,7 @@
 //! `benches/instructions.limits` holds the counts that were agreed on, and
 //! `.ci/instruction_limits.py` compares: it says how to run this and how to write the counts anew.
 //! Frames are counted ten at a time, because one frame can be lucky.
+#![allow(missing_docs, reason = "the macros make public items")]
 
 #[path = "../tests/common/mod.rs"]
 mod common;

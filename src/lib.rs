@@ -1,4 +1,63 @@
-//! Palpable.
+//! A hard-real-time contact kernel: a tracked hand or avatar never reaches through the virtual world.
+//!
+//! A host gives the kernel one block of memory, fills it with bodies made of convex pieces, tells it
+//! every frame what its trackers see, and draws the poses that come back. Driven bodies follow their
+//! trackers and stop at fixed ones, whatever the speed; loose bodies are pushed, fall, roll and rest.
+//! It is what Schmidl and Lin described in 2004 ("Geometry-driven physical interaction between avatars
+//! and virtual environments"), with motion that is continuous and work that is bounded.
+//!
+//! # The frame
+//!
+//! ```text
+//! tracker --> 1 couple      where driven things want to be         [`couple`]
+//!             2 pairs       which pieces may touch this frame
+//!             3 contacts    how deep, and the way out
+//!             4 reach       joint angles (not yet: bodies only)
+//!             5 advance     along a path that never overlaps
+//!             6 impulses    what the loose objects do
+//!             publish  -->  poses for the host to draw
+//! ```
+//!
+//! [`frame`] holds the stages together, [`world`] is the host's handle, [`geometry`] answers questions
+//! about pieces and knows nothing of frames, [`state`] says what the columns mean that [`memory`] cuts
+//! from the block, [`limits`] has every bound with its reason.
+//!
+//! # Promises
+//!
+//! * Nothing shows overlap: from a world without overlap no published driven pose overlaps a fixed body
+//!   by more than [`limits::OVERLAP_SLOP_M`], at any speed and any budget; loose bodies overlap nothing
+//!   by more than 1 mm.
+//! * Free motion has no lag: with nothing in the way the published pose equals the target to the bit.
+//! * Rest is rest: with a still tracker, poses stop changing by a single bit.
+//! * Same input, same bits, on every processor and at every optimisation level.
+//! * No allocation, no unsafe code, no global state: the block is the world, and a copy of it is a
+//!   snapshot.
+//! * Bad input gets a named error or a documented clamp, and the last good state stays.
+//!
+//! Not promised: two driven bodies do not see each other yet, and overlap that the host itself makes is
+//! reported and undone, not prevented.
+//!
+//! # Units
+//!
+//! Metres, kilograms, seconds, radians, newtons. Axes are OpenXR's: right-handed, +Y up, -Z forward;
+//! quaternions are x y z w; a pose is orientation then position.
+//!
+//! # Example
+//!
+//! ```
+//! use palpable::{frame::FrameInput, math::Pose, memory::Capacities, state::bodies::BodyKind};
+//! use palpable::world::{BodyDef, PieceDef, Shape, World};
+//! let mut memory = vec![0; Capacities::ROOM.bytes() + 64];
+//! let start = memory.as_ptr().align_offset(64);
+//! let mut world = World::create(&mut memory[start..], &Capacities::ROOM).unwrap();
+//! let table = world.add_body(&BodyDef::new(BodyKind::Fixed, Pose::at(0.0, 0.7, 0.0))).unwrap();
+//! world.add_piece(table, &PieceDef::new(Shape::Box([0.8, 0.02, 0.4]), 0.0)).unwrap();
+//! let hand = world.add_body(&BodyDef::new(BodyKind::Driven, Pose::at(0.0, 1.0, 0.0))).unwrap();
+//! world.add_piece(hand, &PieceDef::new(Shape::Point, 0.05)).unwrap();
+//! world.set_target(hand, &Pose::at(0.0, 0.65, 0.0)).unwrap(); // the tracker is under the table top
+//! world.step(&FrameInput::unlimited(1.0 / 90.0));
+//! assert!(world.pose(hand).unwrap().position[1] >= 0.77); // the hand is on it
+//! ```
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -8,12 +67,18 @@ pub mod math;
 pub mod memory;
 pub mod state;
 
+pub mod couple;
+
 mod advance;
 mod contacts;
-pub mod couple;
 mod impulses;
 mod pairs;
 mod publish;
 
 pub mod frame;
 pub mod world;
+
+/// The examples of the README, compiled and run as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

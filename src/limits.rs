@@ -103,6 +103,10 @@ pub const LOOSE_REST_M: f32 = 2.5 * OVERLAP_SLOP_M;
 /// in metres.
 pub const LOOSE_BAND_M: f32 = 0.5 * OVERLAP_SLOP_M;
 
+/// Share of a gap that a certificate between loose bodies may give away. Half as many steps as with
+/// none, and the next step makes up for it.
+pub const LOOSE_ACCURACY: f32 = 0.05;
+
 /// Advancing loose bodies stops when a step would be shorter than this, in metres. A tenth of what
 /// lies between the rest gap and the floor: shorter steps cost queries and gain nothing that is seen.
 pub const LOOSE_STEP_MIN_M: f32 = 0.05 * OVERLAP_SLOP_M;
@@ -143,6 +147,10 @@ const _: () = assert!(GAP_REST_M < LOOSE_REST_M && LOOSE_REST_M < LOOSE_MARGIN_M
 
 /// Most plans of one driven body's way through one frame; those that gain nothing add no leg.
 pub const ROUNDS_MAX: u32 = 2 * LEGS_MAX as u32;
+
+/// Most translations that a question about two bodies tries. Each but the last was found to bring in
+/// pairs of pieces that were not in the way before.
+pub const QUERY_ROUNDS_MAX: u32 = 8;
 
 /// The farthest a vertex may be from its piece's origin, in metres.
 pub const PIECE_REACH_M: f32 = 1e4;

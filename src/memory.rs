@@ -11,7 +11,7 @@ pub(crate) mod header;
 pub mod ids;
 
 pub use capacities::Capacities;
-pub use header::{HEADER_BYTES, block_bytes};
+pub use header::{BlockHead, HEADER_BYTES};
 pub use ids::{BodyId, PieceId};
 
 /// Alignment of the block and of every column in it, in bytes: one cache line.

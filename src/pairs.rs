@@ -150,6 +150,7 @@ pub(crate) fn push(
         normal: glam::Vec3::ZERO,
         point: glam::Vec3::ZERO,
         bends: 0,
+        bending_gap: 0.0,
         measured: 0,
     };
     *count += 1;

@@ -95,8 +95,12 @@ impl<'a> State<'a> {
 
     /// Calls `visitor` with every column that outlives a frame, in the order of the block.
     pub(crate) fn visit(&self, visitor: &mut impl FnMut(&[u8])) {
+        self.visit_with(self.registers, visitor);
+    }
+
+    fn visit_with(&self, registers: &Registers, visitor: &mut impl FnMut(&[u8])) {
         visitor(bytemuck::bytes_of(self.header));
-        visitor(bytemuck::bytes_of(self.registers));
+        visitor(bytemuck::bytes_of(registers));
         self.bodies.visit(visitor);
         self.pieces.visit(visitor);
         self.pools.visit(visitor);
@@ -120,8 +124,20 @@ impl<'a> State<'a> {
         (self.header.capacities.materials + BUILT_IN_MATERIALS) as usize
     }
 
-    /// Hash of everything that outlives a frame.
+    /// Hash of everything that outlives a frame but the count of frames, which would hide that
+    /// everything rests.
     pub(crate) fn hash(&self) -> u64 {
+        let timeless = Registers {
+            frame: 0,
+            ..*self.registers
+        };
+        let mut hash = StateHash::new();
+        self.visit_with(&timeless, &mut |bytes| hash.bytes(bytes));
+        hash.value()
+    }
+
+    /// Hash of everything that outlives a frame.
+    pub(crate) fn checksum(&self) -> u64 {
         let mut hash = StateHash::new();
         self.visit(&mut |bytes| hash.bytes(bytes));
         hash.value()

@@ -4,18 +4,20 @@
 mod bodies;
 mod hands;
 mod pieces;
+mod query;
 mod snapshot;
 
 pub use bodies::{AddBodyError, BodyDef, BodyError};
 pub use hands::{JointInput, JointUse, SetJointsError};
 pub use pieces::{AddPieceError, PieceDef, Shape};
+pub use query::BodyPenetration;
 
 use glam::Vec3;
 
 use crate::frame::{self, FrameInput, FrameReport};
 use crate::limits::SPEED_MAX;
 use crate::memory::header::{self, Header};
-use crate::memory::{AttachError, Capacities, CreateError};
+use crate::memory::{AttachError, BlockHead, Capacities, CreateError};
 use crate::state::State;
 use crate::state::contacts::ContactPoint;
 use crate::state::materials::{BUILT_IN_MATERIALS, Material, Surface};
@@ -65,13 +67,28 @@ impl<'a> World<'a> {
     /// # Errors
     /// [`AttachError`] when the block holds no world of this library, or a damaged one.
     pub fn attach(memory: &'a mut [u8]) -> Result<Self, AttachError> {
-        let header = Header::read(memory)?;
+        let head = BlockHead::read(memory)?;
+        Self::attach_known(memory, &head)
+    }
+
+    /// Takes up a world whose head was read and judged before: saves doing it twice.
+    ///
+    /// # Errors
+    /// [`AttachError::NotAWorld`] when the block does not start with this head,
+    /// [`AttachError::TooSmall`], [`AttachError::Misaligned`].
+    pub fn attach_known(memory: &'a mut [u8], head: &BlockHead) -> Result<Self, AttachError> {
+        if memory.len() < head.bytes() {
+            return Err(AttachError::TooSmall);
+        }
+        if !head.starts(memory) {
+            return Err(AttachError::NotAWorld);
+        }
         if !header::is_aligned(memory) {
             return Err(AttachError::Misaligned);
         }
-        let memory = &mut memory[..header.capacities.bytes()];
+        let memory = &mut memory[..head.bytes()];
         Ok(Self {
-            state: State::cut(memory, &header.capacities),
+            state: State::cut(memory, &head.capacities()),
         })
     }
 
@@ -151,7 +168,8 @@ impl<'a> World<'a> {
         &self.state.contacts.list[..self.state.registers.contacts as usize]
     }
 
-    /// A hash of the whole state: equal for equal histories, on every processor.
+    /// A hash of the whole state but for the count of frames: equal for equal histories, on every
+    /// processor, and constant while everything rests.
     #[must_use]
     pub fn hash(&self) -> u64 {
         self.state.hash()

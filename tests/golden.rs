@@ -27,7 +27,9 @@ const FRAMES: u32 = 270;
 /// Frames between two lines of a scene.
 const FRAMES_PER_LINE: u32 = 30;
 
-const SCENES: [(&str, fn() -> Scene); 4] = [
+type NamedScene = (&'static str, fn() -> Scene);
+
+const SCENES: [NamedScene; 4] = [
     ("falling sphere", scenes::falling_sphere),
     ("pushed stack", scenes::pushed_stack),
     ("sliding hand", scenes::sliding_hand),

@@ -71,6 +71,16 @@
 #define PALP_DRIVEN_STATE_INIT \
     { (uint32_t)sizeof(palp_driven_state), 0, 0.0f, { 0.0f, 0.0f, 0.0f } }
 
+/** Empty. */
+#define PALP_CONTACT_INIT \
+    { { 0, 0 }, { 0, 0 }, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }, 0.0f, 0.0f }
+
+/** Empty, to be filled in by `palp_penetration`. */
+#define PALP_PENETRATION_RESULT_INIT \
+    { (uint32_t)sizeof(palp_penetration_result), 0, 0.0f, 0.0f, { 0.0f, 0.0f, 0.0f }, \
+      { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }, { 0, 0 }, { 0, 0 }, \
+      { PALP_CONTACT_INIT, PALP_CONTACT_INIT, PALP_CONTACT_INIT, PALP_CONTACT_INIT } }
+
 /**
  * Alignment of a world's block, in bytes.
  */
@@ -210,6 +220,11 @@
  * A pool was full: the body stayed where it was.
  */
 #define PALP_DRIVEN_POOL_FULL 64
+
+/**
+ * Most contacts between one pair of pieces.
+ */
+#define PALP_PAIR_CONTACTS 4
 
 /**
  * Joints of a hand in OpenXR: `XR_HAND_JOINT_COUNT_EXT`.
@@ -569,6 +584,53 @@ typedef struct palp_contact {
 } palp_contact;
 
 /**
+ * How two bodies lie to each other. Start from `PALP_PENETRATION_RESULT_INIT`.
+ */
+typedef struct palp_penetration_result {
+    /**
+     * `sizeof(palp_penetration_result)`.
+     */
+    uint32_t struct_size;
+    /**
+     * How many of `contacts` there are; none when the bodies are apart.
+     */
+    uint32_t contact_count;
+    /**
+     * Length of the least translation of A that parts the bodies, in metres; zero when they are apart.
+     */
+    float depth_m;
+    /**
+     * Distance of the bodies in metres; zero when they overlap, infinite when one has no pieces.
+     */
+    float distance_m;
+    /**
+     * From B into A, unit length: along the least translation, or between the closest points. Zero when
+     * a body has no pieces.
+     */
+    struct palp_vec3 normal;
+    /**
+     * Where A's surface is nearest to B, or deepest in it, in the world, in metres.
+     */
+    struct palp_vec3 point_a;
+    /**
+     * Where B's surface is nearest to A, or deepest in it, in the world, in metres.
+     */
+    struct palp_vec3 point_b;
+    /**
+     * A's piece of the nearest, or deepest, pair; null when a body has no pieces.
+     */
+    struct palp_piece_id piece_a;
+    /**
+     * B's piece of that pair.
+     */
+    struct palp_piece_id piece_b;
+    /**
+     * Contacts of that pair, with that pair's own normal. Their impulse is zero.
+     */
+    struct palp_contact contacts[PALP_PAIR_CONTACTS];
+} palp_penetration_result;
+
+/**
  * Done.
  */
 #define PALP_OK 0
@@ -612,6 +674,11 @@ typedef struct palp_contact {
  * Nothing set, because the wrist was not good: the next frame counts the tracker as lost.
  */
 #define PALP_TRACKING_LOST 8
+
+/**
+ * Answered for a part of the pairs of pieces in the way: the depth may be too small to part the bodies.
+ */
+#define PALP_PAIRS_LEFT_OUT 9
 
 /**
  * The library failed inside. The world may be half changed: load a saved state or create it anew.
@@ -785,6 +852,11 @@ typedef struct palp_contact {
  * A velocity is not finite or too fast.
  */
 #define PALP_BAD_VELOCITY -34
+
+/**
+ * Two bodies are needed, and both ids name the same one.
+ */
+#define PALP_SAME_BODY -35
 
 #ifdef __cplusplus
 extern "C" {
@@ -1008,6 +1080,31 @@ palp_status palp_frame_step(struct palp_world *world,
 palp_status palp_contacts(const struct palp_world *world,
                           const struct palp_contact **contacts,
                           uint32_t *count);
+
+/**
+ * How deep two bodies overlap where they are published, and the least translation of A that parts
+ * them; or how far apart they are, and the closest points. Needs no frame, changes nothing, and is
+ * refused when `a` is `b`. `result->struct_size` is set by the host.
+ *
+ * Takes about 200 kB of stack. Pairs of pieces far from each other cost a look at their boxes.
+ * `PALP_PAIRS_LEFT_OUT`: more than 64 pairs of pieces are in the way of the translation, or it took
+ * more rounds than 8 to find them; the depth may then be too small to part the bodies.
+ */
+palp_status palp_penetration(const struct palp_world *world,
+                             struct palp_body_id a,
+                             struct palp_body_id b,
+                             struct palp_penetration_result *result);
+
+/**
+ * As `palp_penetration`, with the bodies at other poses. Their pieces keep the local poses that were
+ * published: a bent finger stays bent.
+ */
+palp_status palp_penetration_at(const struct palp_world *world,
+                                struct palp_body_id a,
+                                const struct palp_pose *pose_a,
+                                struct palp_body_id b,
+                                const struct palp_pose *pose_b,
+                                struct palp_penetration_result *result);
 
 /**
  * Bytes that `palp_state_save` writes: depends on the capacities alone.

@@ -8,8 +8,9 @@ use crate::status::{
     palp_status,
 };
 use crate::types::{
-    palp_body_def, palp_capacities, palp_coupling, palp_driven_state, palp_frame_input,
-    palp_frame_report, palp_piece_def, palp_pose, palp_vec3,
+    PALP_PAIR_CONTACTS, palp_body_def, palp_capacities, palp_contact, palp_coupling,
+    palp_driven_state, palp_frame_input, palp_frame_report, palp_penetration_result,
+    palp_piece_def, palp_piece_id, palp_pose, palp_vec3,
 };
 
 /// No struct of any version is larger, in bytes.
@@ -64,6 +65,12 @@ versioned! {
     palp_driven_state: 3 * 4 + 12, palp_driven_state {
         struct_size: 0, flags: 0, displacement_m: 0.0, force_n: palp_vec3::new([0.0; 3]),
     };
+    palp_penetration_result: 4 * 4 + 3 * 12 + 2 * 8 + 4 * 48, palp_penetration_result {
+        struct_size: 0, contact_count: 0, depth_m: 0.0, distance_m: 0.0,
+        normal: palp_vec3::new([0.0; 3]), point_a: palp_vec3::new([0.0; 3]),
+        point_b: palp_vec3::new([0.0; 3]), piece_a: palp_piece_id::NULL,
+        piece_b: palp_piece_id::NULL, contacts: [palp_contact::NONE; PALP_PAIR_CONTACTS as usize],
+    };
 }
 
 // No version has been extended yet, so a difference is padding.
@@ -74,6 +81,7 @@ const _: () = {
     assert!(palp_frame_input::BYTES_MIN == size_of::<palp_frame_input>());
     assert!(palp_frame_report::BYTES_MIN == size_of::<palp_frame_report>());
     assert!(palp_driven_state::BYTES_MIN == size_of::<palp_driven_state>());
+    assert!(palp_penetration_result::BYTES_MIN == size_of::<palp_penetration_result>());
 };
 
 /// Refuses a pointer that is null or not aligned to its type.

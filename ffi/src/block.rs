@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use palpable_kernel::memory::{AttachError, BLOCK_ALIGNMENT, HEADER_BYTES, block_bytes};
+use palpable_kernel::memory::{AttachError, BLOCK_ALIGNMENT, BlockHead, HEADER_BYTES};
 use palpable_kernel::world::World;
 
 use crate::status::{
@@ -36,7 +36,7 @@ pub(crate) fn judge_address(memory: *const u8) -> Result<(), palp_status> {
 #[derive(Clone, Copy)]
 pub(crate) struct Block {
     start: *mut u8,
-    bytes: usize,
+    head: BlockHead,
 }
 
 impl Block {
@@ -50,13 +50,13 @@ impl Block {
         judge_address(start)?;
         // SAFETY: readable by contract.
         let header = unsafe { core::slice::from_raw_parts(start, HEADER_BYTES) };
-        let bytes = block_bytes(header).map_err(attach_status)?;
-        Ok(Self { start, bytes })
+        let head = BlockHead::read(header).map_err(attach_status)?;
+        Ok(Self { start, head })
     }
 
     /// Addresses of the block.
     pub(crate) fn range(&self) -> Range<usize> {
-        self.start.addr()..self.start.addr() + self.bytes
+        self.start.addr()..self.start.addr() + self.head.bytes()
     }
 
     /// The same column as the kernel sees it, through the host's own pointer.
@@ -86,8 +86,8 @@ impl Block {
         act: impl FnOnce(&mut World) -> Result<R, palp_status>,
     ) -> Result<R, palp_status> {
         // SAFETY: the header vouched for the length, and the caller for nobody else being there.
-        let memory = unsafe { core::slice::from_raw_parts_mut(self.start, self.bytes) };
-        let mut world = World::attach(memory).map_err(attach_status)?;
+        let memory = unsafe { core::slice::from_raw_parts_mut(self.start, self.head.bytes()) };
+        let mut world = World::attach_known(memory, &self.head).map_err(attach_status)?;
         act(&mut world)
     }
 }

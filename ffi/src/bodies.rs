@@ -11,7 +11,7 @@ use crate::block::Block;
 use crate::panic::guarded;
 use crate::status::{
     PALP_BAD_COUPLING, PALP_BAD_ENUM, PALP_BAD_POSE, PALP_BAD_VELOCITY, PALP_FULL_BODIES, PALP_OK,
-    PALP_STALE_BODY, PALP_WRONG_COUNT, PALP_WRONG_KIND, palp_status,
+    PALP_SAME_BODY, PALP_STALE_BODY, PALP_WRONG_COUNT, PALP_WRONG_KIND, palp_status,
 };
 use crate::types::{
     PALP_KIND_DRIVEN, PALP_KIND_DYNAMIC, PALP_KIND_FIXED, palp_body_def, palp_body_id,
@@ -33,6 +33,7 @@ pub(crate) const fn body_status(error: BodyError) -> palp_status {
         BodyError::BadPose => PALP_BAD_POSE,
         BodyError::WrongCount => PALP_WRONG_COUNT,
         BodyError::BadVelocity => PALP_BAD_VELOCITY,
+        BodyError::SameBody => PALP_SAME_BODY,
     }
 }
 

@@ -20,6 +20,7 @@ mod hands;
 mod materials;
 mod panic;
 mod pieces;
+mod query;
 mod state;
 mod status;
 mod types;

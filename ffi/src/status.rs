@@ -26,6 +26,8 @@ pub const PALP_OVERLAP: palp_status = 6;
 pub const PALP_JOINTS_IGNORED: palp_status = 7;
 /// Nothing set, because the wrist was not good: the next frame counts the tracker as lost.
 pub const PALP_TRACKING_LOST: palp_status = 8;
+/// Answered for a part of the pairs of pieces in the way: the depth may be too small to part the bodies.
+pub const PALP_PAIRS_LEFT_OUT: palp_status = 9;
 
 /// The library failed inside. The world may be half changed: load a saved state or create it anew.
 pub const PALP_PANICKED: palp_status = -1;
@@ -98,6 +100,8 @@ pub const PALP_FULL_VERTICES: palp_status = -32;
 pub const PALP_FULL_MATERIALS: palp_status = -33;
 /// A velocity is not finite or too fast.
 pub const PALP_BAD_VELOCITY: palp_status = -34;
+/// Two bodies are needed, and both ids name the same one.
+pub const PALP_SAME_BODY: palp_status = -35;
 
 const TEXTS: &[(palp_status, &CStr)] = &[
     (PALP_OK, c"done"),
@@ -221,6 +225,11 @@ const TEXTS: &[(palp_status, &CStr)] = &[
         c"no room for the material: raise palp_capacities.materials",
     ),
     (PALP_BAD_VELOCITY, c"a velocity is not finite or too fast"),
+    (
+        PALP_PAIRS_LEFT_OUT,
+        c"pairs of pieces were left out: the depth may be too small",
+    ),
+    (PALP_SAME_BODY, c"both ids name the same body"),
 ];
 
 fn text(status: palp_status) -> &'static CStr {

@@ -5,12 +5,13 @@
 use core::mem::offset_of;
 
 use palpable_kernel::frame::{Budget, FrameInput, FrameReport};
-use palpable_kernel::limits::PIECE_VERTICES_MAX;
+use palpable_kernel::limits::{MANIFOLD_CONTACTS_MAX, PIECE_VERTICES_MAX};
 use palpable_kernel::math::Pose;
 use palpable_kernel::memory::{BLOCK_ALIGNMENT, BodyId, Capacities, PieceId};
 use palpable_kernel::state::bodies::{Coupling, DrivenReport};
 use palpable_kernel::state::contacts::ContactPoint;
 use palpable_kernel::state::materials::Material;
+use palpable_kernel::world::BodyPenetration;
 
 /// A world. Its handle is the address of the block it lies in, which is the host's memory: there is
 /// no call to destroy it, and a copy of the block at another address is a second world.
@@ -293,6 +294,36 @@ pub struct palp_contact {
     pub impulse_n_s: f32,
 }
 
+/// Most contacts between one pair of pieces.
+pub const PALP_PAIR_CONTACTS: u32 = 4;
+
+/// How two bodies lie to each other. Start from `PALP_PENETRATION_RESULT_INIT`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct palp_penetration_result {
+    /// `sizeof(palp_penetration_result)`.
+    pub struct_size: u32,
+    /// How many of `contacts` there are; none when the bodies are apart.
+    pub contact_count: u32,
+    /// Length of the least translation of A that parts the bodies, in metres; zero when they are apart.
+    pub depth_m: f32,
+    /// Distance of the bodies in metres; zero when they overlap, infinite when one has no pieces.
+    pub distance_m: f32,
+    /// From B into A, unit length: along the least translation, or between the closest points. Zero when
+    /// a body has no pieces.
+    pub normal: palp_vec3,
+    /// Where A's surface is nearest to B, or deepest in it, in the world, in metres.
+    pub point_a: palp_vec3,
+    /// Where B's surface is nearest to A, or deepest in it, in the world, in metres.
+    pub point_b: palp_vec3,
+    /// A's piece of the nearest, or deepest, pair; null when a body has no pieces.
+    pub piece_a: palp_piece_id,
+    /// B's piece of that pair.
+    pub piece_b: palp_piece_id,
+    /// Contacts of that pair, with that pair's own normal. Their impulse is zero.
+    pub contacts: [palp_contact; PALP_PAIR_CONTACTS as usize],
+}
+
 /// Joints of a hand in OpenXR: `XR_HAND_JOINT_COUNT_EXT`.
 pub const PALP_HAND_JOINTS: u32 = 26;
 
@@ -415,6 +446,49 @@ impl palp_driven_state {
     }
 }
 
+impl palp_contact {
+    pub(crate) const NONE: Self = Self {
+        piece_a: palp_piece_id::NULL,
+        piece_b: palp_piece_id::NULL,
+        point: palp_vec3::new([0.0; 3]),
+        normal: palp_vec3::new([0.0; 3]),
+        gap_m: 0.0,
+        impulse_n_s: 0.0,
+    };
+
+    const fn new(from: &ContactPoint) -> Self {
+        Self {
+            piece_a: palp_piece_id::new(from.piece_a),
+            piece_b: palp_piece_id::new(from.piece_b),
+            point: palp_vec3::new(from.point),
+            normal: palp_vec3::new(from.normal),
+            gap_m: from.gap_m,
+            impulse_n_s: from.impulse_n_s,
+        }
+    }
+}
+
+impl palp_penetration_result {
+    pub(crate) fn new(from: &BodyPenetration) -> Self {
+        let mut contacts = [palp_contact::NONE; PALP_PAIR_CONTACTS as usize];
+        for (contact, found) in contacts.iter_mut().zip(&from.contacts) {
+            *contact = palp_contact::new(found);
+        }
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            contact_count: from.contacts.len() as u32,
+            depth_m: from.depth_m,
+            distance_m: from.distance_m,
+            normal: palp_vec3::new(from.normal),
+            point_a: palp_vec3::new(from.point_a),
+            point_b: palp_vec3::new(from.point_b),
+            piece_a: palp_piece_id::new(from.piece_a),
+            piece_b: palp_piece_id::new(from.piece_b),
+            contacts,
+        }
+    }
+}
+
 impl palp_body_id {
     pub(crate) const fn new(id: BodyId) -> Self {
         Self {
@@ -432,6 +506,8 @@ impl palp_body_id {
 }
 
 impl palp_piece_id {
+    pub(crate) const NULL: Self = Self::new(PieceId::NULL);
+
     pub(crate) const fn new(id: PieceId) -> Self {
         Self {
             index1: id.index1,
@@ -467,6 +543,7 @@ const _: () = {
 const _: () = {
     assert!(PALP_BLOCK_ALIGNMENT as usize == BLOCK_ALIGNMENT);
     assert!(PALP_POINTS_MAX as usize == PIECE_VERTICES_MAX);
+    assert!(PALP_PAIR_CONTACTS as usize == MANIFOLD_CONTACTS_MAX);
     assert!(PALP_SNAP_NEVER == Coupling::SNAP_NEVER);
     assert!(PALP_SNAP_WHEN_FREE == Coupling::SNAP_WHEN_FREE);
     assert!(PALP_MATERIAL_WOOD == Material::WOOD.0);

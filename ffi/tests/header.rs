@@ -17,7 +17,7 @@ fn package() -> &'static Path {
 }
 
 /// The sources of exports, in the order of the header.
-const SOURCES: [&str; 10] = [
+const SOURCES: [&str; 11] = [
     "status.rs",
     "types.rs",
     "world.rs",
@@ -27,6 +27,7 @@ const SOURCES: [&str; 10] = [
     "hands.rs",
     "frame.rs",
     "contacts.rs",
+    "query.rs",
     "state.rs",
 ];
 
@@ -135,11 +136,12 @@ int use_all(void) {
     palp_frame_input input = PALP_FRAME_INPUT_INIT;
     palp_frame_report report = PALP_FRAME_REPORT_INIT;
     palp_driven_state state = PALP_DRIVEN_STATE_INIT;
+    palp_penetration_result result = PALP_PENETRATION_RESULT_INIT;
     palp_body_id id = {0, 0};
     palp_world *world = NULL;
     void *memory = NULL;
     return (int)(pose.position.x + coupling.grace_s) + (int)(body.kind + piece.shape) +
-           (int)(input.struct_size + report.flags + state.flags + id.index1) +
+           (int)(input.struct_size + report.flags + state.flags + id.index1 + result.contact_count) +
            palp_world_create(memory, 0, &room, &world);
 }
 ";

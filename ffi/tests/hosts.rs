@@ -4,6 +4,7 @@ mod common;
 #[path = "common/scene.rs"]
 mod scene;
 
+use std::path::Path;
 use std::process::Command;
 use std::{env, fs};
 
@@ -83,6 +84,20 @@ fn the_example_of_the_readme_runs() {
         Command::new(program).run_clean(),
         "tracked 0.000 m, drawn 0.200 m\n"
     );
+}
+
+/// The README shows a part of the host that is compiled and run here, word for word.
+#[test]
+fn the_readme_shows_the_example() {
+    let read = |path: &Path| std::fs::read_to_string(path).unwrap();
+    let readme = read(&package().join("../README.md"));
+    let shown = readme
+        .split("```c\n")
+        .nth(1)
+        .and_then(|rest| rest.split("```").next());
+    let shown = shown.expect("the README has a C example");
+    assert!(shown.lines().count() >= 10);
+    assert!(read(&package().join("hosts/c/readme.c")).contains(shown));
 }
 
 #[test]

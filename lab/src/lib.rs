@@ -1,6 +1,7 @@
 //! The std side of Palpable: scenes, motions, independent references and reports. Hosts never link
 //! this.
 
+pub mod accuracy;
 pub mod gallery;
 pub mod hand;
 pub mod hand_scene;

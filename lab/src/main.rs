@@ -1,10 +1,11 @@
 //! `palpable-lab`: runs the paper's hand scene on the kernel, judges it and writes a report.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Parser, ValueEnum};
+use clap::{Parser, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
+use palpable_lab::accuracy;
 use palpable_lab::hand::Hand;
 use palpable_lab::report::{self, Ball, HandCoverage, Machine, Report};
 use palpable_lab::run::{RunPlan, run};
@@ -18,8 +19,10 @@ const COVERAGE_SPACING_M: f64 = 0.002;
 /// gallery, idle, sliding over a table, and pushing a ball. Every frame is judged by an independent
 /// reference in f64.
 #[derive(Parser)]
-#[command(version)]
+#[command(version, args_conflicts_with_subcommands = true)]
 struct Args {
+    #[command(subcommand)]
+    command: Option<Command>,
     /// What to run.
     #[arg(long, value_enum, default_value_t = Scene::All)]
     scene: Scene,
@@ -29,6 +32,31 @@ struct Args {
     /// Where report.json, index.html and the figures go.
     #[arg(long, default_value = "out")]
     out: PathBuf,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Scores queries against an independent reference in f64, and times them beside other libraries.
+    Accuracy {
+        #[command(subcommand)]
+        of: Measured,
+    },
+}
+
+#[derive(Subcommand)]
+enum Measured {
+    /// Penetration depth and distance of convex pairs, and least translations of unions.
+    Penetration {
+        /// Pairs in each class.
+        #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+        pairs: u32,
+        /// Seed of all pairs; a failure is replayed by it.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Where accuracy-penetration.json and the figure go.
+        #[arg(long, default_value = "out")]
+        out: PathBuf,
+    },
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -65,7 +93,14 @@ impl Scene {
 }
 
 fn main() -> ExitCode {
-    match lab(&Args::parse()) {
+    let args = Args::parse();
+    let done = match &args.command {
+        None => lab(&args),
+        Some(Command::Accuracy {
+            of: Measured::Penetration { pairs, seed, out },
+        }) => accuracy_of_penetration(*pairs, *seed, out),
+    };
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(why) => {
             eprintln!("palpable-lab: {why}");
@@ -74,12 +109,35 @@ fn main() -> ExitCode {
     }
 }
 
+/// Unions in each of the random classes: shallow and deep.
+const UNIONS: u32 = 100;
+
+fn accuracy_of_penetration(
+    pairs: u32,
+    seed: u64,
+    out: &Path,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let plan = accuracy::Plan {
+        seed,
+        pairs,
+        unions: UNIONS,
+        timed: true,
+    };
+    let bar = progress(plan.ticks(), "pairs")?;
+    let found = accuracy::run(&plan, || bar.inc(1));
+    bar.finish_and_clear();
+    println!("{}", accuracy::tables(&found));
+    accuracy::write(&found, out)?;
+    println!("wrote {}", out.join("accuracy-penetration.svg").display());
+    Ok(())
+}
+
 fn lab(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
     let hand = Hand::load()?;
     let coverage = hand.coverage(COVERAGE_SPACING_M)?;
     println!("hand: {} parts\n{coverage}", hand.parts.len());
     let plans = args.scene.plans(args.frames);
-    let bar = progress(plans.len() as u64 * u64::from(args.frames))?;
+    let bar = progress(plans.len() as u64 * u64::from(args.frames), "frames")?;
     let mut runs = Vec::new();
     for plan in &plans {
         let (run, high_water) = run(&hand, plan, || bar.inc(1))?;
@@ -107,8 +165,8 @@ fn lab(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-fn progress(frames: u64) -> Result<ProgressBar, Box<dyn std::error::Error>> {
-    let style =
-        ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {elapsed} of {duration}")?;
-    Ok(ProgressBar::new(frames).with_style(style))
+fn progress(steps: u64, of: &str) -> Result<ProgressBar, Box<dyn std::error::Error>> {
+    let template = format!("{{bar:40}} {{pos}}/{{len}} {of}, {{elapsed}} of {{duration}}");
+    let style = ProgressStyle::with_template(&template)?;
+    Ok(ProgressBar::new(steps).with_style(style))
 }

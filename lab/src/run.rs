@@ -53,7 +53,7 @@ pub fn run(
         .map_err(|why| SceneError(format!("world: {why:?}")))?;
     let mut script = Script::new(plan.noise.then_some(NOISE_SEED));
     let ids = hand_scene::fill(&mut world, hand, plan.ball, &script.target(0))?;
-    let mut judge = hand_scene::judge(hand, plan.ball)?;
+    let judge = hand_scene::judge(hand, plan.ball)?;
     let mut measured = Vec::new();
     let mut before = poses_of(&world, &ids)?;
     let mut beyond = vec![false; ids.hand_pieces.len() + 1];

@@ -91,7 +91,7 @@ fn run_one(hand: &Hand, slap: &Slap) -> Result<(u32, f64), SceneError> {
         .add_piece(wall, &PieceDef::new(Shape::Box(WALL_HALF), 0.0))
         .map_err(|e| refused(&e))?;
     let (body, pieces) = hand_scene::add_hand(&mut world, hand, &target(slap, 0))?;
-    let mut judge = judge(hand, &wall_pose)?;
+    let judge = judge(hand, &wall_pose)?;
     let mut behind = vec![false; pieces.len()];
     let mut deepest: f64 = 0.0;
     for frame in 0..frames(slap) {

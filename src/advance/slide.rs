@@ -1,6 +1,5 @@
 //! Bending a way along contact planes.
 
-use arrayvec::ArrayVec;
 use glam::Vec3;
 
 use super::{Plan, Position, track};
@@ -17,7 +16,7 @@ struct HalfSpace {
     offset: f32,
 }
 
-type HalfSpaces = ArrayVec<HalfSpace, SLIDE_PLANES_MAX>;
+type HalfSpaces = heapless::Vec<HalfSpace, SLIDE_PLANES_MAX>;
 
 /// Where to go from `at`: the wanted position, moved by the least translation that keeps every
 /// touching piece outside its contact plane. Where no translation does (a slot, a wedge), turn and
@@ -93,7 +92,7 @@ fn whole_motion_planes(
 /// Adds a plane; when there is no room, it takes the place of the one that binds least.
 fn add(planes: &mut HalfSpaces, normal: Vec3, offset: f32) {
     let plane = HalfSpace { normal, offset };
-    if planes.try_push(plane).is_ok() {
+    if planes.push(plane).is_ok() {
         return;
     }
     let mut loosest = 0;

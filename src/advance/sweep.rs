@@ -68,6 +68,7 @@ pub(super) fn measure_touching(
 pub(super) fn mark_touching(state: &mut State, pairs: usize) {
     for pair in &mut state.pairs.list[..pairs] {
         pair.bends = u32::from(pair.measured == 1 && touches(pair.gap));
+        pair.bending_gap = pair.gap;
     }
 }
 
@@ -83,7 +84,7 @@ pub(super) fn record(state: &mut State, pairs: usize) -> bool {
                 piece_b: state.pieces.id(pair.b),
                 point: pair.point.to_array(),
                 normal: pair.normal.to_array(),
-                gap_m: pair.gap,
+                gap_m: pair.bending_gap,
                 impulse_n_s: 0.0,
             };
             all &= contacts::add(state, point);
@@ -181,7 +182,7 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
         motion_a: motion,
         motion_b: Motion::still(state.pieces.world[b]),
     };
-    let found = moving.clear_until(time, GAP_FLOOR_M, pair.normal);
+    let found = moving.clear_until(time, GAP_FLOOR_M, pair.normal, 0.0);
     let pair = &mut state.pairs.list[index];
     pair.gap = found.gap_m;
     pair.gap_time = time;

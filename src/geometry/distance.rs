@@ -87,6 +87,20 @@ impl Cores<'_> {
 /// Cost: at most [`DISTANCE_STEPS_MAX`] steps, typically 3 to 6.
 #[must_use]
 pub fn distance(a: &Convex, b: &Convex, a_in_b: &Pose, seed: Vec3) -> Distance {
+    distance_within(a, b, a_in_b, seed, 0.0)
+}
+
+/// As [`distance`], but done as soon as the certified error is at most `accuracy` of the distance: for
+/// bounds that are used once, where the normal does not matter.
+#[must_use]
+pub fn distance_within(
+    a: &Convex,
+    b: &Convex,
+    a_in_b: &Pose,
+    seed: Vec3,
+    accuracy: f32,
+) -> Distance {
+    let accuracy = f64::from(math::max(accuracy, 1e-6));
     let rotation = a_in_b.matrix();
     let cores = Cores {
         a,
@@ -116,7 +130,7 @@ pub fn distance(a: &Convex, b: &Convex, a_in_b: &Pose, seed: Vec3) -> Distance {
             best_lower = lower;
             best_normal = direction;
         }
-        let converged = length - best_lower <= 1e-6 * length + noise;
+        let converged = length - best_lower <= accuracy * length + noise;
         if converged || simplex.holds(&vertex) || !simplex.reduce_with(vertex, length) {
             break;
         }

@@ -4,7 +4,7 @@
 use glam::Vec3;
 
 use super::convex::Convex;
-use super::distance::distance;
+use super::distance::distance_within;
 use super::manifold::CoreGap;
 use super::penetration::core_penetration;
 use crate::math::Pose;
@@ -30,13 +30,27 @@ pub struct Separation {
 /// Cost: one distance query, and one penetration query when the cores overlap.
 #[must_use]
 pub fn separation(a: &Convex, b: &Convex, pose_a: &Pose, pose_b: &Pose, seed: Vec3) -> Separation {
+    separation_within(a, b, pose_a, pose_b, seed, 0.0)
+}
+
+/// As [`separation`], with the distance known to the share `accuracy` only, from below.
+#[must_use]
+pub fn separation_within(
+    a: &Convex,
+    b: &Convex,
+    pose_a: &Pose,
+    pose_b: &Pose,
+    seed: Vec3,
+    accuracy: f32,
+) -> Separation {
     let to_world = pose_b.quat();
     let seed = if seed == Vec3::ZERO {
         pose_a.point(a.centre) - pose_b.point(b.centre)
     } else {
         seed
     };
-    let core = core_gap(a, b, &pose_a.seen_from(pose_b), to_world.conjugate() * seed);
+    let a_in_b = pose_a.seen_from(pose_b);
+    let core = core_gap_within(a, b, &a_in_b, to_world.conjugate() * seed, accuracy);
     Separation {
         normal: to_world * core.normal,
         gap_m: core.gap - a.radius - b.radius,
@@ -45,10 +59,15 @@ pub fn separation(a: &Convex, b: &Convex, pose_a: &Pose, pose_b: &Pose, seed: Ve
     }
 }
 
-/// The gap of two cores in the frame of B, `a_in_b` being A's pose there; `seed` as in [`distance`].
+/// The gap of two cores in the frame of B, `a_in_b` being A's pose there; `seed` as in
+/// [`super::distance::distance`].
 #[must_use]
 pub fn core_gap(a: &Convex, b: &Convex, a_in_b: &Pose, seed: Vec3) -> CoreGap {
-    let apart = distance(a, b, a_in_b, seed);
+    core_gap_within(a, b, a_in_b, seed, 0.0)
+}
+
+fn core_gap_within(a: &Convex, b: &Convex, a_in_b: &Pose, seed: Vec3, accuracy: f32) -> CoreGap {
+    let apart = distance_within(a, b, a_in_b, seed, accuracy);
     if apart.cores_overlap() {
         (&core_penetration(a, b, a_in_b)).into()
     } else {

@@ -16,7 +16,7 @@ use glam::Vec3;
 
 use super::convex::Convex;
 use super::motion::Motion;
-use super::separation::separation;
+use super::separation::separation_within;
 use crate::math::{self, Pose};
 
 /// What is known of a pair at one time.
@@ -59,13 +59,13 @@ impl MovingPair<'_> {
     ///
     /// `floor_m` is the gap that must not be undercut; a pair that is closer already, or
     /// overlaps, must not get any closer or deeper. `seed` is a direction to start the search with (zero
-    /// when none is known). Cost: one distance query and two support queries; where the
+    /// when none is known), `accuracy` the share of the gap that the certificate may give away. Cost: one distance query and two support queries; where the
     /// cores overlap, one penetration query more.
     #[must_use]
-    pub fn clear_until(&self, time: f32, floor_m: f32, seed: Vec3) -> Clearance {
+    pub fn clear_until(&self, time: f32, floor_m: f32, seed: Vec3, accuracy: f32) -> Clearance {
         let pose_a = self.motion_a.at(time);
         let pose_b = self.motion_b.at(time);
-        let found = separation(&self.a, &self.b, &pose_a, &pose_b, seed);
+        let found = separation_within(&self.a, &self.b, &pose_a, &pose_b, seed, accuracy);
         let floor_m = math::min(floor_m, found.gap_m);
         Clearance {
             normal: found.normal,

@@ -9,8 +9,7 @@ use crate::frame::FrameReport;
 use crate::frame::budget::Purse;
 use crate::geometry::manifold::Contact;
 use crate::limits::{
-    BOUNCE_MIN, GAP_FLOOR_M, GAP_RESTORED, LOOSE_BAND_M, LOOSE_MARGIN_M, LOOSE_REST_M,
-    RESTORING_SPEED_MAX,
+    BOUNCE_MIN, GAP_FLOOR_M, GAP_RESTORED, LOOSE_BAND_M, LOOSE_REST_M, RESTORING_SPEED_MAX,
 };
 use crate::math;
 use crate::state::State;

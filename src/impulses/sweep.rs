@@ -11,7 +11,8 @@ use crate::geometry::motion::Track;
 use crate::geometry::separation::core_gap;
 use crate::geometry::time_of_contact::MovingPair;
 use crate::limits::{
-    GAP_FLOOR_M, LOOSE_MARGIN_M, LOOSE_STEP_MIN_M, MANIFOLD_CONTACTS_MAX, PAIR_MARGIN_M,
+    GAP_FLOOR_M, LOOSE_ACCURACY, LOOSE_MARGIN_M, LOOSE_STEP_MIN_M, MANIFOLD_CONTACTS_MAX,
+    PAIR_MARGIN_M,
 };
 use crate::math::{self, Pose};
 use crate::pairs::{self, BodyTrack};
@@ -219,7 +220,7 @@ fn least_certified(state: &State, pairs: usize) -> Option<usize> {
 fn certify(state: &mut State, index: usize, stretch: &Stretch, time: f32) -> bool {
     let pair = state.pairs.list[index];
     let moving = moving_pair(state, &pair, stretch);
-    let found = moving.clear_until(time, GAP_FLOOR_M, pair.normal);
+    let found = moving.clear_until(time, GAP_FLOOR_M, pair.normal, LOOSE_ACCURACY);
     let way = moving.motion_a.way_m() + moving.motion_b.way_m();
     let pair = &mut state.pairs.list[index];
     pair.normal = found.normal;

@@ -54,17 +54,8 @@ impl Header {
         whole.then_some(header)
     }
 
-    /// Reads and judges the header at the start of `memory`, whatever its alignment.
-    pub(crate) fn read(memory: &[u8]) -> Result<Self, AttachError> {
-        let header = Self::read_alone(memory)?;
-        if header.bytes > memory.len() as u64 {
-            return Err(AttachError::TooSmall);
-        }
-        Ok(header)
-    }
-
     /// Reads and judges the header at the start of `bytes`, however short the rest is.
-    fn read_alone(bytes: &[u8]) -> Result<Self, AttachError> {
+    fn read(bytes: &[u8]) -> Result<Self, AttachError> {
         let bytes = bytes
             .get(..size_of::<Self>())
             .ok_or(AttachError::TooSmall)?;
@@ -88,13 +79,33 @@ impl Header {
 /// Bytes at the start of a block that tell how long it is.
 pub const HEADER_BYTES: usize = size_of::<Header>();
 
-/// How many bytes the world takes whose block starts with these [`HEADER_BYTES`] bytes: for a host
-/// that keeps the block's address alone.
-///
-/// # Errors
-/// [`AttachError`] when the bytes start no world of this library, or a damaged one.
-pub fn block_bytes(header: &[u8]) -> Result<usize, AttachError> {
-    Header::read_alone(header).map(|header| header.bytes as usize)
+/// The head of a block, read and judged: for a host that keeps the block's address alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BlockHead(Header);
+
+impl BlockHead {
+    /// Judges the head that starts with these bytes, at least [`HEADER_BYTES`] of them.
+    ///
+    /// # Errors
+    /// [`AttachError`] when the bytes start no world of this library, or a damaged one.
+    pub fn read(bytes: &[u8]) -> Result<Self, AttachError> {
+        Header::read(bytes).map(Self)
+    }
+
+    /// How many bytes the world takes.
+    #[must_use]
+    pub const fn bytes(&self) -> usize {
+        self.0.bytes as usize
+    }
+
+    pub(crate) const fn capacities(&self) -> Capacities {
+        self.0.capacities
+    }
+
+    /// Whether `memory` starts with this head.
+    pub(crate) fn starts(&self, memory: &[u8]) -> bool {
+        memory.starts_with(bytemuck::bytes_of(&self.0))
+    }
 }
 
 /// Whether the block starts where a block may start.

@@ -28,6 +28,8 @@ pub(crate) struct Pair {
     pub point: Vec3,
     /// One when the pair bent the current leg.
     pub bends: u32,
+    /// The gap at which it did.
+    pub bending_gap: f32,
     /// One when `gap` and `normal` were measured at the very pose that the leg starts from.
     pub measured: u32,
 }

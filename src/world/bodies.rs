@@ -62,6 +62,8 @@ pub enum BodyError {
     WrongCount,
     /// A velocity is not finite or too fast.
     BadVelocity,
+    /// Two bodies are needed, and both ids name the same one.
+    SameBody,
 }
 
 impl World<'_> {

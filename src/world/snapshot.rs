@@ -4,16 +4,17 @@ use super::World;
 use crate::memory::SnapshotError;
 use crate::memory::hash::StateHash;
 use crate::memory::header::Header;
-use crate::state::State;
 
-/// The state hash that ends a snapshot.
-const HASH_BYTES: usize = 8;
+/// The checksum that ends a snapshot.
+const CHECKSUM_BYTES: usize = 8;
 
 impl World<'_> {
     /// Bytes of a snapshot: the state without the scratch of a frame.
     #[must_use]
     pub fn snapshot_bytes(&self) -> usize {
-        State::lasting_bytes(&self.state.header.capacities) as usize + HASH_BYTES
+        let mut bytes = CHECKSUM_BYTES;
+        self.state.visit(&mut |column| bytes += column.len());
+        bytes
     }
 
     /// Copies the state into `buffer`; how many bytes were written.
@@ -29,8 +30,8 @@ impl World<'_> {
             buffer[end..end + column.len()].copy_from_slice(column);
             end += column.len();
         });
-        buffer[end..end + HASH_BYTES].copy_from_slice(&self.hash().to_le_bytes());
-        Ok(end + HASH_BYTES)
+        buffer[end..end + CHECKSUM_BYTES].copy_from_slice(&self.state.checksum().to_le_bytes());
+        Ok(end + CHECKSUM_BYTES)
     }
 
     /// Rolls back to a snapshot of a world with the same capacities, this one or another. On an
@@ -63,7 +64,7 @@ impl World<'_> {
             hash.bytes(&buffer[end..end + column.len()]);
             end += column.len();
         });
-        if buffer[end..end + HASH_BYTES] == hash.value().to_le_bytes() {
+        if buffer[end..end + CHECKSUM_BYTES] == hash.value().to_le_bytes() {
             Ok(())
         } else {
             Err(SnapshotError::Damaged)

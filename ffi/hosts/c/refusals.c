@@ -304,6 +304,37 @@ static void materials(void) {
     FINE(palp_surface_set(world, material, PALP_MATERIAL_WOOD, 0.5f, 0.5f));
 }
 
+static void queries(void) {
+    const palp_pose good = PALP_POSE_IDENTITY;
+    palp_pose wrong = good;
+    palp_penetration_result result = PALP_PENETRATION_RESULT_INIT;
+    const palp_penetration_result untouched = PALP_PENETRATION_RESULT_INIT;
+    palp_body_def def = PALP_BODY_DEF_INIT;
+    palp_body_id gone;
+    FINE(palp_body_add(world, &def, &gone));
+    FINE(palp_body_remove(world, gone));
+    wrong.position.y = NAN;
+    REFUSED(PALP_NULL, palp_penetration(NULL, hand, fixed, &result));
+    REFUSED(PALP_NULL, palp_penetration(world, hand, fixed, NULL));
+    REFUSED(PALP_MISALIGNED,
+            palp_penetration(world, hand, fixed, CROOKED(palp_penetration_result *, &result)));
+    REFUSED(PALP_STALE_BODY, palp_penetration(world, null_body, fixed, &result));
+    REFUSED(PALP_STALE_BODY, palp_penetration(world, hand, gone, &result));
+    REFUSED(PALP_SAME_BODY, palp_penetration(world, hand, hand, &result));
+    REFUSED(PALP_NULL, palp_penetration_at(world, hand, NULL, fixed, &good, &result));
+    REFUSED(PALP_NULL, palp_penetration_at(world, hand, &good, fixed, NULL, &result));
+    REFUSED(PALP_BAD_POSE, palp_penetration_at(world, hand, &wrong, fixed, &good, &result));
+    REFUSED(PALP_BAD_POSE, palp_penetration_at(world, hand, &good, fixed, &wrong, &result));
+    REFUSED(PALP_STALE_BODY, palp_penetration_at(world, gone, &good, fixed, &good, &result));
+    REFUSED(PALP_SAME_BODY, palp_penetration_at(world, hand, &good, hand, &good, &result));
+    TRUE(memcmp(&result, &untouched, sizeof result) == 0);
+    result.struct_size--;
+    REFUSED(PALP_BAD_STRUCT_SIZE, palp_penetration(world, hand, fixed, &result));
+    result.struct_size = sizeof result;
+    GIVES(PALP_OK, palp_penetration(world, hand, fixed, &result));
+    TRUE(result.depth_m == 0.0f && result.distance_m > 19.79f && result.distance_m < 19.81f);
+}
+
 static void frames(void) {
     palp_frame_input input = PALP_FRAME_INPUT_INIT;
     palp_frame_report report = PALP_FRAME_REPORT_INIT;
@@ -453,6 +484,7 @@ int main(void) {
     pieces();
     full_vertices();
     materials();
+    queries();
     frames();
     states();
     hands();

@@ -135,18 +135,21 @@ static palp_piece_id add_piece(palp_world *world, palp_body_id body, const palp_
     return piece;
 }
 
-static void add_fixed_box(palp_world *world, float x, float y, float z, palp_vec3 half) {
+static palp_body_id add_fixed_box(palp_world *world, float x, float y, float z, palp_vec3 half) {
+    const palp_body_id body = add_body(world, PALP_KIND_FIXED, x, y, z);
     palp_piece_def def = PALP_PIECE_DEF_INIT;
     def.shape = PALP_SHAPE_BOX;
     def.a = half;
-    add_piece(world, add_body(world, PALP_KIND_FIXED, x, y, z), &def);
+    add_piece(world, body, &def);
+    return body;
 }
 
-static void add_table(palp_world *world) {
+static palp_body_id add_table(palp_world *world) {
     const palp_vec3 top = {0.6f, 0.02f, 0.4f};
     const palp_vec3 post = {0.02f, 0.03f, 0.02f};
-    add_fixed_box(world, 0.0f, 0.70f, 0.0f, top);
+    const palp_body_id table = add_fixed_box(world, 0.0f, 0.70f, 0.0f, top);
     add_fixed_box(world, 0.0f, 0.75f, 0.04f, post);
+    return table;
 }
 
 static palp_body_id add_ball(palp_world *world) {
@@ -234,6 +237,7 @@ static uint32_t count_contacts(const palp_world *world, int frame) {
         check(contacts[i].piece_a.index1 != 0 && contacts[i].piece_b.index1 != 0,
               "a contact without pieces", frame);
         check(length > 0.999f && length < 1.001f, "a contact without normal", frame);
+        check(contacts[i].gap_m > -1e-3f, "a contact that is too deep", frame);
     }
     return count;
 }
@@ -259,15 +263,37 @@ static palp_status step_frame(palp_world *world, palp_body_id hand, int frame,
     return seen;
 }
 
+static int is_near(float found, float expected) {
+    return size_of(found - expected) < 1e-6f;
+}
+
+/* The ball over the table, and sunk in it: a known distance and a known depth. */
+static void ask(const palp_world *world, palp_body_id ball, palp_body_id table) {
+    const palp_pose over = pose_at(0.15f, TABLE_TOP + 0.14f, -0.08f, 0.0f);
+    const palp_pose sunk = pose_at(0.15f, TABLE_TOP + 0.03f, -0.08f, 0.0f);
+    const palp_pose table_at = pose_at(0.0f, 0.70f, 0.0f, 0.0f);
+    palp_penetration_result found = PALP_PENETRATION_RESULT_INIT;
+    ok(palp_penetration(world, ball, table, &found), "palp_penetration");
+    check(is_near(found.distance_m, 0.001f), "a wrong distance", 0);
+    ok(palp_penetration_at(world, ball, &over, table, &table_at, &found), "palp_penetration_at");
+    check(is_near(found.distance_m, 0.1f) && found.depth_m == 0.0f, "a wrong distance", 0);
+    check(is_near(found.point_b.y, TABLE_TOP) && found.contact_count == 0, "a wrong point", 0);
+    ok(palp_penetration_at(world, ball, &sunk, table, &table_at, &found), "palp_penetration_at");
+    check(is_near(found.depth_m, 0.01f) && found.distance_m == 0.0f, "a wrong depth", 0);
+    check(is_near(found.normal.y, 1.0f) && found.contact_count == 1, "a wrong way out", 0);
+    check(is_near(found.contacts[0].gap_m, -0.01f), "a wrong contact", 0);
+}
+
 static void run(palp_world *world) {
     joint_location joints[PALP_HAND_JOINTS];
     palp_piece_id pieces[PIECES];
-    palp_body_id ball, hand;
+    palp_body_id ball, hand, table;
     palp_pose before, after;
     uint32_t contacts = 0;
     int frame, touching = 0, ignored = 0;
-    add_table(world);
+    table = add_table(world);
     ball = add_ball(world);
+    ask(world, ball, table);
     hand = add_hand(world, pieces);
     ok(palp_body_pose(world, ball, &before), "palp_body_pose");
     for (frame = 0; frame < FRAMES; frame++) {

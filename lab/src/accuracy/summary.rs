@@ -1,0 +1,135 @@
+//! What the scores come to: quantiles, counts and ratios.
+
+use serde::Serialize;
+
+use super::generate::Class;
+use super::measure::{Score, Scores};
+use super::methods::Method;
+
+/// Median, 99th percentile and maximum.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Spread {
+    /// Half are at most this.
+    pub median: f64,
+    /// 95 % are at most this.
+    pub p95: f64,
+    /// 99 % are at most this.
+    pub p99: f64,
+    /// The largest.
+    pub max: f64,
+}
+
+impl Spread {
+    /// The spread of values; none if there are none. Values must not be NaN.
+    pub fn of(values: impl Iterator<Item = f64>) -> Option<Self> {
+        let mut sorted: Vec<f64> = values.collect();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let last = sorted.len().checked_sub(1)?;
+        let at = |share: f64| sorted[(share * last as f64).round() as usize];
+        Some(Self {
+            median: at(0.5),
+            p95: at(0.95),
+            p99: at(0.99),
+            max: sorted[last],
+        })
+    }
+}
+
+/// One method in one class.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// The class.
+    pub class: Class,
+    /// The method.
+    pub method: Method,
+    /// How many pairs.
+    pub pairs: usize,
+    /// Failures among them.
+    pub failures: usize,
+    /// Error of depth or distance relative to the smaller piece's size, of pairs with an answer.
+    pub error: Option<Spread>,
+    /// What moving by the answer leaves between the pieces, relative to size.
+    pub left: Option<Spread>,
+    /// Time of a call in nanoseconds, over all pairs that got an answer.
+    pub time_ns: Option<Spread>,
+    /// The same for overlapping pairs.
+    pub overlapping_ns: Option<Spread>,
+    /// The same for pairs apart.
+    pub apart_ns: Option<Spread>,
+}
+
+impl Row {
+    /// Sums the scores up.
+    pub fn new(scores: &Scores) -> Self {
+        let answered = || scores.scores.iter().filter(|score| score.error.is_some());
+        let times = |wanted: &dyn Fn(&Score) -> bool| {
+            Spread::of(answered().filter(|s| wanted(s)).map(|s| s.time_ns))
+        };
+        Self {
+            class: scores.class,
+            method: scores.method,
+            pairs: scores.scores.len(),
+            failures: scores.scores.iter().filter(|s| s.failure.is_some()).count(),
+            error: Spread::of(answered().filter_map(|score| score.error)),
+            left: Spread::of(answered().filter_map(|score| score.left)),
+            time_ns: times(&|_| true),
+            overlapping_ns: times(&Score::overlaps),
+            apart_ns: times(&Score::is_apart),
+        }
+    }
+}
+
+/// How many times faster Palpable is than parry3d f32, by medians, and what was aimed at.
+#[derive(Clone, Debug, Serialize)]
+pub struct Ratios {
+    /// The class.
+    pub class: Class,
+    /// All pairs, cold.
+    pub cold: Option<f64>,
+    /// Overlapping pairs, cold: what the target is for.
+    pub cold_overlapping: Option<f64>,
+    /// Pairs apart, cold.
+    pub cold_apart: Option<f64>,
+    /// All pairs, warm.
+    pub warm: Option<f64>,
+    /// Overlapping pairs, warm: what the target is for.
+    pub warm_overlapping: Option<f64>,
+    /// Targets: cold overlapping, cold apart, warm overlapping.
+    pub targets: Option<[f64; 3]>,
+}
+
+impl Ratios {
+    /// The ratios of a class from its rows.
+    pub fn new(class: Class, rows: &[Row]) -> Self {
+        let ratio = |ours, theirs, of: fn(&Row) -> Option<Spread>| {
+            let median = |method| {
+                let row = rows
+                    .iter()
+                    .find(|row| row.class == class && row.method == method)?;
+                of(row).map(|spread| spread.median)
+            };
+            Some(median(theirs)? / median(ours)?)
+        };
+        let cold = |of| ratio(Method::Palpable, Method::ParryF32, of);
+        let warm = |of| ratio(Method::PalpableWarm, Method::ParryF32Warm, of);
+        Self {
+            class,
+            cold: cold(|row| row.time_ns),
+            cold_overlapping: cold(|row| row.overlapping_ns),
+            cold_apart: cold(|row| row.apart_ns),
+            warm: warm(|row| row.time_ns),
+            warm_overlapping: warm(|row| row.overlapping_ns),
+            targets: targets(class),
+        }
+    }
+}
+
+/// The aims: cold overlapping, cold apart, warm.
+fn targets(class: Class) -> Option<[f64; 3]> {
+    match class {
+        Class::Box8 => Some([10.0, 3.0, 8.0]),
+        Class::Hull32 => Some([2.5, 3.0, 8.0]),
+        Class::Finger | Class::SlabFinger => Some([3.0, 3.0, 8.0]),
+        _ => None,
+    }
+}
