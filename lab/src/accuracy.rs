@@ -20,7 +20,7 @@ use serde::Serialize;
 use generate::Class;
 use measure::{Score, Scores};
 use methods::Method;
-use summary::{Ratios, Row};
+use summary::{Beyond, Ratios, Row};
 use unions::{Moved, UnionClass, UnionRow};
 
 use crate::report::Machine;
@@ -72,6 +72,8 @@ pub struct Accuracy {
     pub rows: Vec<Row>,
     /// One per class.
     pub ratios: Vec<Ratios>,
+    /// Where the kernel is less exact than aimed at.
+    pub beyond: Vec<Beyond>,
     /// One per class of unions and mover.
     pub unions: Vec<UnionRow>,
     /// Every pair, per class and method.
@@ -83,13 +85,15 @@ pub struct Accuracy {
 impl Accuracy {
     /// The kernel's failures, cold and warm.
     pub fn kernel_failures(&self) -> impl Iterator<Item = (Class, &Score)> {
-        let kernel =
-            |scores: &&Scores| matches!(scores.method, Method::Palpable | Method::PalpableWarm);
-        self.scores.iter().filter(kernel).flat_map(|scores| {
+        self.scores.iter().filter(is_kernel).flat_map(|scores| {
             let failed = scores.scores.iter().filter(|score| score.failure.is_some());
             failed.map(|score| (scores.class, score))
         })
     }
+}
+
+fn is_kernel(scores: &&Scores) -> bool {
+    matches!(scores.method, Method::Palpable | Method::PalpableWarm)
 }
 
 /// Measures all classes; `tick` is called after each pair and each union.
@@ -110,6 +114,11 @@ pub fn run(plan: &Plan, mut tick: impl FnMut()) -> Accuracy {
         pairs: plan.pairs,
         ratios: Class::ALL.map(|class| Ratios::new(class, &rows)).into(),
         rows,
+        beyond: scores
+            .iter()
+            .filter(is_kernel)
+            .filter_map(Beyond::new)
+            .collect(),
         unions: union_rows
             .flat_map(|(class, moved)| unions::rows(class, moved))
             .collect(),

@@ -1,5 +1,7 @@
 //! Speed against error: one mark per method and class, both axes logarithmic.
 
+use std::io;
+
 use plotters::backend::SVGBackend;
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
@@ -16,8 +18,6 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Drawn = Result<(), DrawingAreaErrorKind<io::Error>>;
 type Spot = (f64, f64);
 
-use std::io;
-
 /// Pixels of the drawing are this many coordinates of the backend, which has whole ones.
 const SUBPIXELS: f64 = 4.0;
 /// The backend divides font sizes by this.
@@ -33,12 +33,15 @@ const BOTTOM: f64 = 640.0;
 const LEGEND_LEFT: f64 = 944.0;
 const LEGEND_LINE: f64 = 21.0;
 const MARK: f64 = 5.0;
+/// What keeps marks apart that overlap.
+const HALO: f64 = MARK + 1.0;
 const SMALL: f64 = 11.0;
 const NORMAL: f64 = 13.0;
 
 /// Errors below this are drawn here.
 const ERROR_MIN: f64 = 1e-17;
 
+const PAPER: RGBColor = RGBColor(0xFF, 0xFF, 0xFF);
 const INK: RGBColor = RGBColor(0x22, 0x27, 0x2E);
 const QUIET: RGBColor = RGBColor(0x5C, 0x66, 0x70);
 const GRID: RGBColor = RGBColor(0xD3, 0xD8, 0xDD);
@@ -75,18 +78,21 @@ fn draw(accuracy: &Accuracy, svg: &mut String) -> Drawn {
         place((WIDTH, HEIGHT)).1 as u32,
     );
     let area = SVGBackend::with_string(svg, size).into_drawing_area();
-    area.fill(&RGBColor(0xFF, 0xFF, 0xFF))?;
+    area.fill(&PAPER)?;
     let axes = Axes::around(&accuracy.rows);
     heading(&area, accuracy)?;
     axes.draw(&area)?;
     let marks = marks(accuracy, &axes);
-    for (label, anchor) in labels(&marks).iter().zip(&marks) {
-        draw_leader(&area, anchor, label)?;
+    let labels = labels(&marks);
+    for (label, mark) in labels.iter().zip(&marks) {
+        draw_leader(&area, mark, label)?;
     }
     for mark in &marks {
+        let halo = Circle::new(place(mark.at), (HALO * SUBPIXELS) as i32, PAPER.filled());
+        area.draw(&halo)?;
         draw_mark(&area, mark.method, mark.at)?;
     }
-    for (label, mark) in labels(&marks).iter().zip(&marks) {
+    for (label, mark) in labels.iter().zip(&marks) {
         text(
             &area,
             &mark.number.to_string(),
@@ -100,10 +106,12 @@ fn draw(accuracy: &Accuracy, svg: &mut String) -> Drawn {
     area.present()
 }
 
-/// The axes: powers of ten that hold all marks.
+/// The axes: from one round number to another.
 struct Axes {
+    /// Powers of ten.
     error: (i32, i32),
-    time: (i32, i32),
+    /// Nanoseconds.
+    time: (f64, f64),
 }
 
 fn coordinates(row: &Row) -> Option<(f64, f64)> {
@@ -125,6 +133,22 @@ fn decades(values: impl Iterator<Item = f64>) -> (i32, i32) {
     )
 }
 
+/// 1, 2 and 5 times the powers of ten from one nanosecond to a second.
+fn round_numbers() -> impl Iterator<Item = f64> {
+    (0..=9).flat_map(|power| [1.0, 2.0, 5.0].map(|factor| factor * 10f64.powi(power)))
+}
+
+/// Round numbers a little below the least value and above the greatest.
+fn round_range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (low, high) = values.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), value| {
+        (low.min(value), high.max(value))
+    });
+    let below = round_numbers().filter(|round| *round < 0.9 * low).last();
+    let above = round_numbers().find(|round| *round > 1.1 * high);
+    let low = below.filter(|_| low.is_finite()).unwrap_or(1.0);
+    (low, above.unwrap_or(1e9).max(2.0 * low))
+}
+
 impl Axes {
     fn around(rows: &[Row]) -> Self {
         let drawn = || {
@@ -134,7 +158,7 @@ impl Axes {
         };
         Self {
             error: decades(drawn().map(|(error, _)| error)),
-            time: decades(drawn().map(|(_, time)| time)),
+            time: round_range(drawn().map(|(_, time)| time)),
         }
     }
 
@@ -145,7 +169,7 @@ impl Axes {
 
     fn y(&self, time: f64) -> f64 {
         let (low, high) = self.time;
-        BOTTOM - (BOTTOM - TOP) * (time.log10() - f64::from(low)) / f64::from(high - low)
+        BOTTOM - (BOTTOM - TOP) * (time / low).log10() / (high / low).log10()
     }
 
     fn draw(&self, area: &Area) -> Drawn {
@@ -161,15 +185,11 @@ impl Axes {
                 HPos::Center,
             )?;
         }
-        for power in self.time.0..=self.time.1 {
-            let y = self.y(10f64.powi(power));
+        for time in round_numbers().filter(|t| (self.time.0..=self.time.1).contains(t)) {
+            let y = self.y(time);
             line(area, &[(LEFT, y), (RIGHT, y)], GRID, 1.0)?;
-            let name = 10f64.powi(power).to_string();
+            let name = time.to_string();
             text(area, &name, (LEFT - 8.0, y), SMALL, QUIET, HPos::Right)?;
-            for factor in (2..10).filter(|_| power < self.time.1) {
-                let y = self.y(f64::from(factor) * 10f64.powi(power));
-                line(area, &[(LEFT - 4.0, y), (LEFT, y)], LEADER, 1.0)?;
-            }
         }
         let middle = (0.5 * (LEFT + RIGHT), BOTTOM + 36.0);
         let across =

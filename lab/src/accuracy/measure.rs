@@ -49,6 +49,8 @@ pub struct Score {
     pub reference_m: f64,
     /// The smaller piece's bounding-box diagonal, in metres.
     pub size_m: f64,
+    /// The larger piece's, in metres: f32 poses and coordinates are only exact relative to it.
+    pub larger_m: f64,
     /// Error of the depth or distance, relative to size; missing without an answer.
     pub error: Option<f64>,
     /// What is left between the pieces after A is moved by the answer, relative to size.
@@ -128,6 +130,7 @@ struct Truth<'a> {
     placed: [Placed<'a>; 2],
     signed: Signed,
     size_m: f64,
+    larger_m: f64,
 }
 
 impl<'a> Truth<'a> {
@@ -140,6 +143,7 @@ impl<'a> Truth<'a> {
             placed,
             signed: signed_distance(&placed[0], &placed[1]),
             size_m: solids[0].size().min(solids[1].size()),
+            larger_m: solids[0].size().max(solids[1].size()),
         }
     }
 
@@ -155,6 +159,7 @@ impl<'a> Truth<'a> {
             kind: pair.kind,
             reference_m: self.signed.value,
             size_m: self.size_m,
+            larger_m: self.larger_m,
             error: usable.map(|answer| self.error(&answer)),
             left: usable.map(|answer| self.left(&answer)),
             failure,

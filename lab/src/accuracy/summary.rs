@@ -133,3 +133,61 @@ fn targets(class: Class) -> Option<[f64; 3]> {
         _ => None,
     }
 }
+
+/// The aim for the error of depth and distance, relative to the smaller piece's size.
+pub const ERROR_AIM: f64 = 2e-7;
+/// The aim for what moving by the answer leaves, relative to the smaller piece's size.
+pub const LEFT_AIM: f64 = 1e-6;
+
+/// How many of the kernel's answers are less exact than aimed at, and the worst.
+#[derive(Clone, Debug, Serialize)]
+pub struct Beyond {
+    /// The class.
+    pub class: Class,
+    /// Cold or warm.
+    pub method: Method,
+    /// How many pairs are beyond [`ERROR_AIM`].
+    pub by_error: usize,
+    /// How many pairs are beyond [`LEFT_AIM`].
+    pub by_left: usize,
+    /// The pair of the largest error: with class and seed it replays it.
+    pub worst_index: u32,
+    /// That error, relative to the smaller piece's size.
+    pub worst_error: f64,
+    /// That error, relative to the larger piece's size.
+    pub worst_error_of_larger: f64,
+    /// The pair of which moving by the answer leaves most.
+    pub worst_left_index: u32,
+    /// What it leaves, relative to the smaller piece's size.
+    pub worst_left: f64,
+}
+
+impl Beyond {
+    /// None if every answer is as exact as aimed at.
+    pub fn new(scores: &Scores) -> Option<Self> {
+        let by = |of: fn(&Score) -> Option<f64>| {
+            let value = move |score: &Score| of(score).unwrap_or(0.0);
+            let largest = |p: &&Score, q: &&Score| value(p).total_cmp(&value(q));
+            scores.scores.iter().max_by(largest)
+        };
+        let count = |aim: f64, of: fn(&Score) -> Option<f64>| {
+            let values = scores.scores.iter().filter_map(of);
+            values.filter(|value| *value > aim).count()
+        };
+        let (worst, worst_left) = (by(|s| s.error)?, by(|s| s.left)?);
+        let by_error = count(ERROR_AIM, |s| s.error);
+        let by_left = count(LEFT_AIM, |s| s.left);
+        let worst_error = worst.error.unwrap_or(0.0);
+        (by_error + by_left > 0).then(|| Self {
+            class: scores.class,
+            method: scores.method,
+            by_error,
+            by_left,
+            worst_index: worst.index,
+            worst_error,
+            worst_error_of_larger: worst_error * worst.size_m / worst.larger_m,
+            worst_left_index: worst_left.index,
+            worst_left: worst_left.left.unwrap_or(0.0),
+        })
+    }
+}

@@ -3,7 +3,7 @@
 use comfy_table::{Cell, CellAlignment, ContentArrangement, LineStyle, Table, presets};
 
 use super::Accuracy;
-use super::summary::{Ratios, Row, Spread};
+use super::summary::{Beyond, ERROR_AIM, LEFT_AIM, Ratios, Row, Spread};
 use super::unions::UnionRow;
 
 /// What stands where there is nothing to measure.
@@ -20,8 +20,12 @@ pub fn tables(accuracy: &Accuracy) -> String {
             rows(&accuracy.rows)
         ),
         format!(
-            "Palpable is faster than parry3d f32 by these factors (medians; aims in brackets)\n{}",
+            "Palpable is faster than parry3d f32 by these factors (medians of the calls that\nanswered at all, right or wrong; aims in brackets)\n{}",
             ratios(&accuracy.ratios)
+        ),
+        format!(
+            "Where Palpable is less exact than aimed at: error {ERROR_AIM:e}, left {LEFT_AIM:e}\n{}",
+            beyond(&accuracy.beyond)
         ),
         format!("Least translation of unions\n{}", unions(&accuracy.unions)),
         failures(accuracy),
@@ -116,6 +120,34 @@ fn factor(value: Option<f64>, aim: Option<f64>) -> Cell {
         Some(aim) if value >= aim => format!("{value:.2} (met, {aim})"),
         Some(aim) => format!("{value:.2} (missed, {aim})"),
     })
+}
+
+fn beyond(rows: &[Beyond]) -> Table {
+    let mut table = table(&[
+        "class",
+        "method",
+        "by error",
+        "by left",
+        "worst index",
+        "error",
+        "of larger",
+        "worst index",
+        "left",
+    ]);
+    for row in rows {
+        table.add_row([
+            Cell::new(row.class.name()),
+            Cell::new(row.method.name()),
+            right(row.by_error.to_string()),
+            right(row.by_left.to_string()),
+            right(row.worst_index.to_string()),
+            exponent(Some(row.worst_error)),
+            exponent(Some(row.worst_error_of_larger)),
+            right(row.worst_left_index.to_string()),
+            exponent(Some(row.worst_left)),
+        ]);
+    }
+    table
 }
 
 fn unions(rows: &[UnionRow]) -> Table {

@@ -86,11 +86,12 @@ fn block(half: [f64; 3], at: [f64; 3]) -> Piece {
     (Shape::cuboid(DVec3::from_array(half)), Pose::at(x, y, z))
 }
 
-/// A block of width w + 2 d whose bottom is h below the rim of a slot of width w.
+/// A block of width w + 2 d whose bottom is h below the rim of a slot of width w, d less than h: the
+/// least way out of either wall is sideways into the other.
 fn slot(random: &mut Pcg64Mcg) -> [Vec<Piece>; 2] {
     let width = log_uniform(random, 0.02, 0.2);
-    let too_wide = width * log_uniform(random, 0.01, 0.1);
     let height = log_uniform(random, 0.005, 0.05);
+    let too_wide = height * log_uniform(random, 0.02, 0.8);
     let wall = |side: f64| block([0.2, 0.5, 0.5], [side * (0.2 + 0.5 * width), -0.5, 0.0]);
     let half = [0.5 * width + too_wide, 0.1, 0.1];
     [
