@@ -3,7 +3,7 @@
 
 use glam::{Quat, Vec3};
 use palpable::geometry::penetration::{
-    CorePenetration, Feature, core_penetration, core_penetration_until,
+    CorePenetration, Feature, core_penetration, core_penetration_seeded, core_penetration_until,
 };
 use palpable::math::Pose;
 use shapes::{Hull, Random, blob, cuboid, in_b, overlap, reference};
@@ -310,6 +310,69 @@ fn equal_calls_give_equal_bits() {
     let a = blob(&mut random, 32, Vec3::ONE);
     let pose = Pose::new(random.turn(), Vec3::new(0.5, 0.4, 0.3));
     assert_eq!(depth(&a, &a, &pose), depth(&a, &a, &pose));
+}
+
+#[test]
+fn seeds_change_no_bit() {
+    let mut random = Random(13);
+    for round in 0..60 {
+        let counts = [(4, 30), (12, 12), (32, 32)][round % 3];
+        let a = blob(&mut random, counts.0, Vec3::new(1.0, 0.3, 0.2));
+        let b = blob(&mut random, counts.1, Vec3::new(0.4, 0.8, 0.5));
+        let far = random.between(0.0, 1.5);
+        let pose = Pose::new(random.turn(), (random.unit() * far).as_vec3());
+        let cold = depth(&a, &b, &pose);
+        let beside = (cold.normal + 0.01 * random.unit().as_vec3()).normalize();
+        let any = random.unit().as_vec3();
+        for seed in [Vec3::ZERO, Vec3::NAN, cold.normal, beside, -beside, any] {
+            let seeded = core_penetration_seeded(&a.view(), &b.view(), &pose, seed);
+            assert_eq!(seeded, cold);
+        }
+    }
+}
+
+#[test]
+fn boxes_of_every_shape_and_turn() {
+    let mut random = Random(14);
+    for round in 0..2000 {
+        let scale = [1e-3, 0.02, 1.0, 100.0][round % 4];
+        let half = |random: &mut Random| {
+            let part = |random: &mut Random| random.between(0.05, 1.0) as f32;
+            Vec3::new(part(random), part(random), part(random)) * scale
+        };
+        let (a, b) = (cuboid(half(&mut random)), cuboid(half(&mut random)));
+        let far = random.between(0.0, 1.5) * f64::from(scale);
+        let pose = Pose::new(random.turn(), (random.unit() * far).as_vec3());
+        let found = check(&a, &b, &pose, 4e-7);
+        let (low, high) = features_agree(&a, &b, &pose, &found);
+        assert!(low && high, "{found:?}");
+    }
+}
+
+/// Whether the features of A and of B are the ones that reach farthest along the normal.
+fn features_agree(a: &Hull, b: &Hull, pose: &Pose, found: &CorePenetration) -> (bool, bool) {
+    let normal = found.normal.as_dvec3();
+    let (of_a, of_b) = (in_b(a, pose), in_b(b, &Pose::IDENTITY));
+    let low = of_a.iter().map(|v| v.dot(normal)).fold(f64::MAX, f64::min);
+    let high = of_b.iter().map(|v| v.dot(normal)).fold(f64::MIN, f64::max);
+    let ring = |hull: &Hull, face: u16| -> Vec<usize> {
+        let face = hull.faces[face as usize];
+        let first = face.first_loop as usize;
+        let ring = &hull.loops[first..first + face.loop_count as usize];
+        ring.iter().map(|&i| i as usize).collect()
+    };
+    let ends = |hull: &Hull, edge: u16| hull.edges[edge as usize].vertices.map(usize::from);
+    let (on_a, on_b) = match found.feature {
+        Feature::FaceA(face) => (ring(a, face), vec![]),
+        Feature::FaceB(face) => (vec![], ring(b, face)),
+        Feature::Edges(i, j) => (ends(a, i).to_vec(), ends(b, j).to_vec()),
+        Feature::Points => (vec![], vec![]),
+    };
+    let slack = 1e-6 * (a.size() + b.size());
+    (
+        on_a.iter().all(|&i| of_a[i].dot(normal) <= low + slack),
+        on_b.iter().all(|&i| of_b[i].dot(normal) >= high - slack),
+    )
 }
 
 /// Hulls and random numbers.

@@ -84,10 +84,10 @@ pub struct Accuracy {
 
 impl Accuracy {
     /// The kernel's failures, cold and warm.
-    pub fn kernel_failures(&self) -> impl Iterator<Item = (Class, &Score)> {
+    pub fn kernel_failures(&self) -> impl Iterator<Item = (Class, Method, &Score)> {
         self.scores.iter().filter(is_kernel).flat_map(|scores| {
             let failed = scores.scores.iter().filter(|score| score.failure.is_some());
-            failed.map(|score| (scores.class, score))
+            failed.map(|score| (scores.class, scores.method, score))
         })
     }
 }

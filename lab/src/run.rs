@@ -186,7 +186,7 @@ fn sample_of(measured: &Measured) -> FrameSample {
     let deepest = measured.verdict.deepest.as_ref().map_or(0.0, |o| o.depth_m);
     FrameSample {
         overlap_mm: 1e3 * deepest,
-        ..measured.sample.clone()
+        ..measured.sample
     }
 }
 

@@ -3,7 +3,10 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use crate::math::LANE_WIDTH;
+use crate::math::{LANE_WIDTH, max, min};
+
+/// The places of a lane.
+const PLACES: [f32; LANE_WIDTH] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 /// Eight vertices, one coordinate after the other, in metres.
 ///
@@ -101,18 +104,16 @@ impl Convex<'_> {
     #[inline]
     #[must_use]
     pub fn support(&self, direction: Vec3) -> Support {
-        let mut best = [f32::NEG_INFINITY; LANE_WIDTH];
-        let mut best_lane = [0u32; LANE_WIDTH];
-        for (number, lane) in self.lanes.iter().enumerate() {
-            for i in 0..LANE_WIDTH {
-                let reach =
-                    lane.x[i] * direction.x + lane.y[i] * direction.y + lane.z[i] * direction.z;
-                let better = reach > best[i];
-                best[i] = if better { reach } else { best[i] };
-                best_lane[i] = if better { number as u32 } else { best_lane[i] };
-            }
-        }
-        reduce(&best, &best_lane, self.vertex_count)
+        support_of(self.lanes, direction)
+    }
+
+    /// How far the core reaches along `direction`: the reach of its support.
+    ///
+    /// Cost: one pass over the lanes.
+    #[inline]
+    #[must_use]
+    pub fn reach(&self, direction: Vec3) -> f32 {
+        reach_of(self.lanes, direction)
     }
 
     /// Radius of the smallest ball about the frame's origin that holds the bounding box of the
@@ -132,23 +133,57 @@ impl Convex<'_> {
     }
 }
 
-/// The best of eight columns: the farthest reach, ties to the lowest vertex index.
+/// Products of eight vertices with a direction.
 #[inline]
-fn reduce(best: &[f32; LANE_WIDTH], lane: &[u32; LANE_WIDTH], vertex_count: usize) -> Support {
-    let mut winner = Support {
-        index: 0,
-        reach: f32::NEG_INFINITY,
-    };
-    for i in 0..LANE_WIDTH {
-        let index = lane[i] as usize * LANE_WIDTH + i;
-        let index = if index < vertex_count { index } else { 0 };
-        let nearer = best[i] > winner.reach || (best[i] == winner.reach && index < winner.index);
-        if nearer {
-            winner = Support {
-                index,
-                reach: best[i],
-            };
+fn dots(lane: &Lane, direction: Vec3) -> [f32; LANE_WIDTH] {
+    core::array::from_fn(|i| {
+        lane.x[i] * direction.x + lane.y[i] * direction.y + lane.z[i] * direction.z
+    })
+}
+
+/// The largest product of a vertex with a direction; minus infinity when there is none.
+///
+/// Here and in [`support_of`] the order of the reduction is one that compilers turn into vectors of
+/// four; inlined, vectors of two were seen.
+#[inline(never)]
+fn reach_of(lanes: &[Lane], direction: Vec3) -> f32 {
+    let mut best = [f32::NEG_INFINITY; LANE_WIDTH];
+    for lane in lanes {
+        let dots = dots(lane, direction);
+        for i in 0..LANE_WIDTH {
+            best[i] = max(dots[i], best[i]);
         }
     }
-    winner
+    let [a, b, c, d] = [0, 1, 2, 3].map(|i| max(best[i], best[i + 4]));
+    max(max(a, b), max(c, d))
+}
+
+/// The vertex with the largest product, the first of those that tie. Lanes are counted in f32, which
+/// is exact there and is selected by the mask that compares the products.
+#[inline(never)]
+fn support_of(lanes: &[Lane], direction: Vec3) -> Support {
+    let mut best = [f32::NEG_INFINITY; LANE_WIDTH];
+    let mut places = [0.0; LANE_WIDTH];
+    let mut start = 0.0;
+    for lane in lanes {
+        let dots = dots(lane, direction);
+        for i in 0..LANE_WIDTH {
+            let better = dots[i] > best[i];
+            best[i] = if better { dots[i] } else { best[i] };
+            places[i] = if better { start } else { places[i] };
+        }
+        start += LANE_WIDTH as f32;
+    }
+    let [a, b, c, d] = [0, 1, 2, 3].map(|i| max(best[i], best[i + 4]));
+    let reach = max(max(a, b), max(c, d));
+    for i in 0..LANE_WIDTH {
+        let place = places[i] + PLACES[i];
+        places[i] = if best[i] == reach { place } else { start };
+    }
+    let [a, b, c, d] = [0, 1, 2, 3].map(|i| min(places[i], places[i + 4]));
+    let first = min(min(a, b), min(c, d));
+    Support {
+        index: if first < start { first as usize } else { 0 },
+        reach,
+    }
 }

@@ -9,6 +9,7 @@
 use glam::{DVec3, Vec3};
 
 use super::convex::Convex;
+use super::penetration::boxes::Boxes;
 use crate::limits::DISTANCE_STEPS_MAX;
 use crate::math::{self, Pose};
 
@@ -110,6 +111,9 @@ pub fn distance_within(
         inverse: rotation.transpose(),
     };
     let noise = 1e-7 * f64::from(a.size() + b.size());
+    if let Some(found) = distance_of_boxes(a, b, a_in_b, noise) {
+        return found;
+    }
     let mut direction = math::direction(seed).unwrap_or(Vec3::Y);
     let first = cores.nearest_along(direction);
     let mut simplex = Simplex::new(first);
@@ -136,6 +140,30 @@ pub fn distance_within(
         }
     }
     answer(&simplex, best_normal, best_lower, steps)
+}
+
+/// The answer for two boxes whose nearest features are those of the axis that parts them most, and
+/// for boxes that overlap.
+fn distance_of_boxes(a: &Convex, b: &Convex, a_in_b: &Pose, noise: f64) -> Option<Distance> {
+    let pair = Boxes::of(a, b, a_in_b)?;
+    let least = pair.least(f64::NEG_INFINITY);
+    if least.depth > -noise && least.depth <= noise {
+        return None;
+    }
+    let (on_a, on_b) = pair.nearest_points(&least, noise)?;
+    let upper = if least.depth < 0.0 {
+        math::sqrt_f64((on_a - on_b).length_squared())
+    } else {
+        0.0
+    };
+    Some(Distance {
+        normal: least.normal.as_vec3(),
+        lower_m: -least.depth as f32,
+        upper_m: upper as f32,
+        point_a: on_a.as_vec3(),
+        point_b: on_b.as_vec3(),
+        steps: 1,
+    })
 }
 
 fn plane_gap(direction: Vec3, vertex: &Vertex) -> f64 {

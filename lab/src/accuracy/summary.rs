@@ -6,7 +6,7 @@ use super::generate::Class;
 use super::measure::{Score, Scores};
 use super::methods::Method;
 
-/// Median, 99th percentile and maximum.
+/// Median, 95th and 99th percentile, and maximum, by the nearest rank.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Spread {
     /// Half are at most this.

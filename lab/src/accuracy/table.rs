@@ -198,10 +198,11 @@ const LISTED_MAX: usize = 20;
 fn failures(accuracy: &Accuracy) -> String {
     let lines: Vec<String> = accuracy
         .kernel_failures()
-        .map(|(class, score)| {
+        .map(|(class, method, score)| {
             format!(
-                "  {} seed {} index {} ({:?}): {:?}, reference {:e} m, error {:?}",
+                "  {}, {}, seed {} index {} ({:?}): {:?}, reference {:e} m, error {:?}",
                 class.name(),
+                method.name(),
                 accuracy.seed,
                 score.index,
                 score.kind,

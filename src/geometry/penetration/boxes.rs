@@ -1,0 +1,331 @@
+//! Two boxes: fifteen axes (Gottschalk, Lin and Manocha 1996, "OBBTree") in double precision, where
+//! nothing cancels that f32 coordinates can hold. Edges are parallel by the same relative bound as
+//! those of other solids.
+
+use glam::{DVec3, Vec3};
+
+use super::{CorePenetration, Feature, PARALLEL_SINE};
+use crate::geometry::convex::{Convex, Face, Lane};
+use crate::math::{LANE_WIDTH, Pose, sqrt_f64};
+
+/// A box whose sides are square to its own frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cuboid {
+    centre: DVec3,
+    half: DVec3,
+    /// Indices of the faces at the low and the high end of each axis.
+    faces: [[u16; 2]; 3],
+}
+
+impl Cuboid {
+    /// The piece as a box, if that is exactly what it is.
+    #[inline]
+    pub(crate) fn of(piece: &Convex) -> Option<Self> {
+        if piece.vertex_count != 8 || piece.faces.len() != 6 || piece.lanes.len() != 1 {
+            return None;
+        }
+        let (mut low, mut high) = ([f32::NAN; 3], [f32::NAN; 3]);
+        let mut faces = [[0; 2]; 3];
+        for (index, face) in piece.faces.iter().enumerate() {
+            let axis = axis_of(face)?;
+            if face.normal[axis] > 0.0 {
+                high[axis] = face.offset;
+                faces[axis][1] = index as u16;
+            } else {
+                low[axis] = -face.offset;
+                faces[axis][0] = index as u16;
+            }
+        }
+        let (low, high) = (Vec3::from_array(low), Vec3::from_array(high));
+        if !corners_only(&piece.lanes[0], low, high) {
+            return None;
+        }
+        let (low, high) = (low.as_dvec3(), high.as_dvec3());
+        Some(Self {
+            centre: 0.5 * (low + high),
+            half: 0.5 * (high - low),
+            faces,
+        })
+    }
+}
+
+/// The coordinate axis that a face is square to.
+#[inline]
+fn axis_of(face: &Face) -> Option<usize> {
+    (0..3).find(|&axis| face.normal[axis].abs() == 1.0)
+}
+
+/// Whether every vertex is a corner of the box; false when a side is not a number.
+#[inline]
+fn corners_only(lane: &Lane, low: Vec3, high: Vec3) -> bool {
+    let mut all = true;
+    for i in 0..LANE_WIDTH {
+        all &= (lane.x[i] == low.x) | (lane.x[i] == high.x);
+        all &= (lane.y[i] == low.y) | (lane.y[i] == high.y);
+        all &= (lane.z[i] == low.z) | (lane.z[i] == high.z);
+    }
+    all
+}
+
+/// Which of the fifteen axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    FaceB(usize),
+    FaceA(usize),
+    /// The axis of A's edges, that of B's.
+    Edges(usize, usize),
+}
+
+/// Two boxes, seen from the centre of the second.
+pub(crate) struct Boxes {
+    a: Cuboid,
+    b: Cuboid,
+    /// The axes of A.
+    axes: [DVec3; 3],
+    /// The centre of A.
+    offset: DVec3,
+}
+
+/// The axis of least overlap of two boxes.
+pub(crate) struct Least {
+    kind: Kind,
+    /// From B into A.
+    pub(crate) normal: DVec3,
+    /// Negative when the axis parts the boxes.
+    pub(crate) depth: f64,
+}
+
+impl Boxes {
+    /// Both pieces as boxes, if they are.
+    #[inline]
+    pub(crate) fn of(a: &Convex, b: &Convex, a_in_b: &Pose) -> Option<Self> {
+        let (a, b) = (Cuboid::of(a)?, Cuboid::of(b)?);
+        let axes = axes(a_in_b);
+        let position = a_in_b.translation().as_dvec3();
+        let turned = axes[0] * a.centre.x + axes[1] * a.centre.y + axes[2] * a.centre.z;
+        Some(Self {
+            offset: turned + position - b.centre,
+            a,
+            b,
+            axes,
+        })
+    }
+
+    /// The first of the axes with least overlap: faces of B, faces of A, edges. The edges are left
+    /// out when a face has at most `enough`.
+    pub(crate) fn least(&self, enough: f64) -> Least {
+        let (mut depth, mut kind) = (f64::INFINITY, Kind::FaceB(0));
+        for k in 0..3 {
+            let across = self.along_axes_of_a(k).abs().dot(self.a.half);
+            let overlap = self.b.half[k] + across - self.offset[k].abs();
+            if overlap < depth {
+                (depth, kind) = (overlap, Kind::FaceB(k));
+            }
+        }
+        for i in 0..3 {
+            let across = self.axes[i].abs().dot(self.b.half);
+            let overlap = self.a.half[i] + across - self.axes[i].dot(self.offset).abs();
+            if overlap < depth {
+                (depth, kind) = (overlap, Kind::FaceA(i));
+            }
+        }
+        if depth > enough {
+            self.edges(&mut depth, &mut kind);
+        }
+        Least {
+            kind,
+            normal: self.normal(kind),
+            depth,
+        }
+    }
+
+    /// Coordinate `k` of the axes of A.
+    #[inline]
+    fn along_axes_of_a(&self, k: usize) -> DVec3 {
+        DVec3::new(self.axes[0][k], self.axes[1][k], self.axes[2][k])
+    }
+
+    /// The nine axes of edges. Overlaps are compared by their squares times the squared length of
+    /// the axis, so that only those that win cost a square root.
+    #[inline]
+    fn edges(&self, depth: &mut f64, kind: &mut Kind) {
+        const NEXT: [usize; 3] = [1, 2, 0];
+        const LAST: [usize; 3] = [2, 0, 1];
+        let least = f64::from(PARALLEL_SINE) * f64::from(PARALLEL_SINE);
+        for i in 0..3 {
+            let (i1, i2) = (NEXT[i], LAST[i]);
+            let d = self.axes[i];
+            for j in 0..3 {
+                let (j1, j2) = (NEXT[j], LAST[j]);
+                let squared = d[j1] * d[j1] + d[j2] * d[j2];
+                let of_a = self.a.half[i1] * self.axes[i2][j].abs()
+                    + self.a.half[i2] * self.axes[i1][j].abs();
+                let of_b = self.b.half[j1] * d[j2].abs() + self.b.half[j2] * d[j1].abs();
+                let between = self.offset[j1] * d[j2] - self.offset[j2] * d[j1];
+                let overlap = of_a + of_b - between.abs();
+                let nearer = overlap * overlap.abs() < *depth * depth.abs() * squared;
+                if nearer && squared > least {
+                    *depth = overlap / sqrt_f64(squared);
+                    *kind = Kind::Edges(i, j);
+                }
+            }
+        }
+    }
+
+    /// The unit vector of an axis, from B into A.
+    fn normal(&self, kind: Kind) -> DVec3 {
+        let axis = match kind {
+            Kind::FaceB(k) => DVec3::AXES[k],
+            Kind::FaceA(i) => self.axes[i],
+            Kind::Edges(i, j) => {
+                let cross = self.axes[i].cross(DVec3::AXES[j]);
+                cross / sqrt_f64(cross.length_squared())
+            }
+        };
+        if axis.dot(self.offset) < 0.0 {
+            -axis
+        } else {
+            axis
+        }
+    }
+
+    /// The answer for an axis, in the frame of B.
+    pub(crate) fn penetration(&self, a: &Convex, b: &Convex, least: &Least) -> CorePenetration {
+        let (point_a, point_b) = self.points(least);
+        CorePenetration {
+            normal: least.normal.as_vec3(),
+            depth: least.depth as f32,
+            feature: self.feature(a, b, least),
+            point_a: (point_a + self.b.centre).as_vec3(),
+            point_b: (point_b + self.b.centre).as_vec3(),
+        }
+    }
+
+    /// For each axis of A, whether the corner that reaches lowest is at its high end.
+    #[inline]
+    fn low_corner_of_a(&self, normal: DVec3) -> [bool; 3] {
+        core::array::from_fn(|m| self.axes[m].dot(normal) < 0.0)
+    }
+
+    /// For each axis of B, whether the corner that reaches highest is at its high end.
+    #[inline]
+    fn high_corner_of_b(normal: DVec3) -> [bool; 3] {
+        core::array::from_fn(|m| normal[m] > 0.0)
+    }
+
+    /// A point at the bottom of A and the one opposite, from the centre of B.
+    fn points(&self, least: &Least) -> (DVec3, DVec3) {
+        let at_high = self.low_corner_of_a(least.normal);
+        let signed = |high: bool, half: f64| if high { half } else { -half };
+        let free = match least.kind {
+            Kind::Edges(i, _) => i,
+            _ => 3,
+        };
+        let mut low = self.offset;
+        for m in 0..3 {
+            if m != free {
+                low += self.axes[m] * signed(at_high[m], self.a.half[m]);
+            }
+        }
+        let Kind::Edges(i, j) = least.kind else {
+            return (low, low + least.normal * least.depth);
+        };
+        let at_high = Self::high_corner_of_b(least.normal);
+        let mut high = DVec3::ZERO;
+        for m in 0..3 {
+            if m != j {
+                high[m] = signed(at_high[m], self.b.half[m]);
+            }
+        }
+        self.closest(low, i, high, j)
+    }
+
+    /// The closest points of an edge of A about `low` and an edge of B about `high`.
+    fn closest(&self, low: DVec3, i: usize, high: DVec3, j: usize) -> (DVec3, DVec3) {
+        let (d, e) = (self.axes[i], DVec3::AXES[j]);
+        let (a, b) = (self.a.half[i], self.b.half[j]);
+        let between = low - high;
+        let cosine = d[j];
+        let sine_squared = d.cross(e).length_squared();
+        let kept = |x: f64, limit: f64| {
+            let x = if x < limit { x } else { limit };
+            if x > -limit { x } else { -limit }
+        };
+        let s = kept((cosine * between[j] - between.dot(d)) / sine_squared, a);
+        let t = kept(cosine * s + between[j], b);
+        let s = kept(cosine * t - between.dot(d), a);
+        (low + d * s, high + e * t)
+    }
+
+    fn feature(&self, a: &Convex, b: &Convex, least: &Least) -> Feature {
+        let low = self.low_corner_of_a(least.normal);
+        let high = Self::high_corner_of_b(least.normal);
+        match least.kind {
+            Kind::FaceB(k) => Feature::FaceB(self.b.faces[k][usize::from(high[k])]),
+            Kind::FaceA(i) => Feature::FaceA(self.a.faces[i][usize::from(low[i])]),
+            Kind::Edges(i, j) => {
+                Feature::Edges(edge_of(a, &self.a, i, low), edge_of(b, &self.b, j, high))
+            }
+        }
+    }
+
+    /// Two points in the frame of B that are as far apart as the axis proves, within `noise`, when
+    /// the nearest features are those of the axis. A point of A twice when the boxes overlap.
+    pub(crate) fn nearest_points(&self, least: &Least, noise: f64) -> Option<(DVec3, DVec3)> {
+        if least.depth > 0.0 {
+            let (low, _) = self.points(least);
+            return Some((low + self.b.centre, low + self.b.centre));
+        }
+        let (on_a, on_b) = match least.kind {
+            Kind::Edges(..) => self.points(least),
+            Kind::FaceB(_) => {
+                let (low, _) = self.points(least);
+                (low, low.clamp(-self.b.half, self.b.half))
+            }
+            Kind::FaceA(_) => {
+                let high = Self::high_corner_of_b(least.normal);
+                let corner = DVec3::from_array(core::array::from_fn(|m| {
+                    if high[m] {
+                        self.b.half[m]
+                    } else {
+                        -self.b.half[m]
+                    }
+                }));
+                let from = corner - self.offset;
+                let mut nearest = self.offset;
+                for m in 0..3 {
+                    let half = self.a.half[m];
+                    nearest += self.axes[m] * self.axes[m].dot(from).clamp(-half, half);
+                }
+                (nearest, corner)
+            }
+        };
+        let upper_squared = (on_a - on_b).length_squared();
+        let limit = noise - least.depth;
+        (upper_squared <= limit * limit).then_some((on_a + self.b.centre, on_b + self.b.centre))
+    }
+}
+
+/// The turned coordinate axes of a pose whose quaternion has unit length only up to f32 rounding.
+fn axes(pose: &Pose) -> [DVec3; 3] {
+    let [x, y, z, w] = pose.rotation.map(f64::from);
+    let s = 2.0 / (x * x + y * y + z * z + w * w);
+    let (xs, ys, zs) = (x * s, y * s, z * s);
+    let (wx, wy, wz) = (w * xs, w * ys, w * zs);
+    let (xx, xy, xz) = (x * xs, x * ys, x * zs);
+    let (yy, yz, zz) = (y * ys, y * zs, z * zs);
+    [
+        DVec3::new(1.0 - (yy + zz), xy + wz, xz - wy),
+        DVec3::new(xy - wz, 1.0 - (xx + zz), yz + wx),
+        DVec3::new(xz + wy, yz - wx, 1.0 - (xx + yy)),
+    ]
+}
+
+/// The edge of a box along an axis, at the given ends of the two others.
+fn edge_of(piece: &Convex, cuboid: &Cuboid, axis: usize, high: [bool; 3]) -> u16 {
+    let face = |m: usize| cuboid.faces[m % 3][usize::from(high[m % 3])];
+    let (first, second) = (face(axis + 1), face(axis + 2));
+    let beside = |faces: [u16; 2]| faces == [first, second] || faces == [second, first];
+    let found = piece.edges.iter().position(|edge| beside(edge.faces));
+    found.unwrap_or(0) as u16
+}
