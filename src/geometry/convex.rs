@@ -107,15 +107,6 @@ impl Convex<'_> {
         support_of(self.lanes, direction)
     }
 
-    /// How far the core reaches along `direction`: the reach of its support.
-    ///
-    /// Cost: one pass over the lanes.
-    #[inline]
-    #[must_use]
-    pub fn reach(&self, direction: Vec3) -> f32 {
-        reach_of(self.lanes, direction)
-    }
-
     /// Radius of the smallest ball about the frame's origin that holds the bounding box of the
     /// core, in metres. The rounding radius is not in it.
     #[inline]
@@ -141,25 +132,11 @@ fn dots(lane: &Lane, direction: Vec3) -> [f32; LANE_WIDTH] {
     })
 }
 
-/// The largest product of a vertex with a direction; minus infinity when there is none.
-///
-/// Here and in [`support_of`] the order of the reduction is one that compilers turn into vectors of
-/// four; inlined, vectors of two were seen.
-#[inline(never)]
-fn reach_of(lanes: &[Lane], direction: Vec3) -> f32 {
-    let mut best = [f32::NEG_INFINITY; LANE_WIDTH];
-    for lane in lanes {
-        let dots = dots(lane, direction);
-        for i in 0..LANE_WIDTH {
-            best[i] = max(dots[i], best[i]);
-        }
-    }
-    let [a, b, c, d] = [0, 1, 2, 3].map(|i| max(best[i], best[i + 4]));
-    max(max(a, b), max(c, d))
-}
-
 /// The vertex with the largest product, the first of those that tie. Lanes are counted in f32, which
 /// is exact there and is selected by the mask that compares the products.
+///
+/// The order of the reductions is one that compilers turn into vectors of four; inlined, vectors of
+/// two were seen.
 #[inline(never)]
 fn support_of(lanes: &[Lane], direction: Vec3) -> Support {
     let mut best = [f32::NEG_INFINITY; LANE_WIDTH];

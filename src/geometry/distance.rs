@@ -220,6 +220,12 @@ impl Simplex {
         self.vertices[self.count] = vertex;
         self.count += 1;
         let newest = self.count - 1;
+        // A triangle that the origin projects into is nearer than its sides.
+        if newest == 2
+            && let Some(best) = self.triangle(0, 1, 2)
+        {
+            return self.keep_nearer(&best, length);
+        }
         let mut best = Candidate::point(newest, vertex.difference);
         for first in 0..newest {
             best.take_nearer(self.edge(first, newest));
@@ -232,9 +238,14 @@ impl Simplex {
             self.keep_inside();
             return false;
         }
+        self.keep_nearer(&best, length)
+    }
+
+    /// Keeps a sub-simplex with the newest vertex if it is nearer than `length`, else drops the vertex.
+    fn keep_nearer(&mut self, best: &Candidate, length: f64) -> bool {
         let nearer = best.length_squared < length * length;
         if nearer {
-            self.keep(&best);
+            self.keep(best);
         } else {
             self.count -= 1;
         }
@@ -299,11 +310,13 @@ impl Simplex {
     }
 
     fn keep(&mut self, best: &Candidate) {
-        let old = self.vertices;
         self.count = best.count;
-        self.weights = [0.0; 4];
+        // The vertices of a candidate ascend, so none is overwritten before it is taken.
         for slot in 0..best.count {
-            self.vertices[slot] = old[best.vertices[slot]];
+            let from = best.vertices[slot];
+            if from != slot {
+                self.vertices[slot] = self.vertices[from];
+            }
             self.weights[slot] = best.weights[slot];
         }
     }

@@ -13,7 +13,8 @@
 //!   depth, up to the rounding of one dot product. Errors can only make it larger.
 //! * **Pruning is exact.** For a point c inside B whose nearest face is r away, the overlap along
 //!   n of an edge or face of A through v is at least n . (c - v) + r. An edge is left out when no
-//!   n of its arc can beat the best depth so far, and the same with A and B exchanged.
+//!   n of its arc can beat the best depth so far, and the same with A and B exchanged. It is
+//!   also left out when one vertex of the other core is deep enough below both of its faces.
 //!
 //! # Nearly parallel edges
 //!

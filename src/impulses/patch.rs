@@ -9,15 +9,17 @@
 use glam::Vec3;
 
 use super::movers::{centre_pose, is_stopped};
+use super::solve::push_together;
 use crate::limits::MANIFOLD_CONTACTS_MAX;
 use crate::math;
 use crate::state::State;
 use crate::state::bodies::BodyKind;
 use crate::state::contacts::Constraint;
 
-/// Stops every dynamic body that a patch on something that stands still can stop; how many.
+/// Stops every dynamic body that a patch on something that stands still can stop, and gives the other
+/// patches their first impulse as a whole; how many impulses that took.
 pub(super) fn run(state: &mut State, constraints: usize) -> u32 {
-    let mut stopped = 0;
+    let mut impulses = 0;
     let mut first = 0;
     while first < constraints {
         let pair = state.pairs.constraints[first].pair;
@@ -27,11 +29,13 @@ pub(super) fn run(state: &mut State, constraints: usize) -> u32 {
         }
         if end - first >= 3 && can_rest(state, first, end) {
             stop(state, first, end);
-            stopped += 1;
+            impulses += 1;
+        } else if end - first >= 2 {
+            impulses += u32::from(push_together(state, first, end));
         }
         first = end;
     }
-    stopped
+    impulses
 }
 
 /// Whether the patch of the constraints from `first` to `end` can stop its body.

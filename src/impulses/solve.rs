@@ -1,5 +1,7 @@
 //! The contacts of an event, and one impulse at one of them.
 
+use core::ops::Range;
+
 use glam::{Mat3, Vec3};
 
 use super::Stretch;
@@ -9,7 +11,8 @@ use crate::frame::FrameReport;
 use crate::frame::budget::Purse;
 use crate::geometry::manifold::Contact;
 use crate::limits::{
-    BOUNCE_MIN, GAP_FLOOR_M, GAP_RESTORED, LOOSE_BAND_M, LOOSE_REST_M, RESTORING_SPEED_MAX,
+    APPROACH_MIN, BOUNCE_MIN, GAP_FLOOR_M, GAP_RESTORED, LOOSE_BAND_M, LOOSE_REST_M,
+    RESTORING_SPEED_MAX,
 };
 use crate::math;
 use crate::state::State;
@@ -177,6 +180,59 @@ pub(super) fn push(state: &mut State, index: usize) -> bool {
     apply(state, b, constraint.point, -change);
     state.pairs.constraints[index].impulse = whole;
     true
+}
+
+/// Pushes all approaching contacts of one pair, from `first` to `end`, by one impulse at their middle;
+/// whether there were two or more. What lands flat so keeps its orientation, where corner after corner
+/// would turn it.
+pub(super) fn push_together(state: &mut State, first: usize, end: usize) -> bool {
+    let mut middle = state.pairs.constraints[first];
+    middle.point = Vec3::ZERO;
+    middle.prescribed_a = Vec3::ZERO;
+    middle.prescribed_b = Vec3::ZERO;
+    middle.target = 0.0;
+    let mut count = 0.0;
+    for index in first..end {
+        let contact = &state.pairs.constraints[index];
+        if approaches(state, contact) {
+            middle.point += contact.point;
+            middle.prescribed_a += contact.prescribed_a;
+            middle.prescribed_b += contact.prescribed_b;
+            middle.target += contact.target;
+            count += 1.0;
+        }
+    }
+    if count < 2.0 {
+        return false;
+    }
+    middle.point /= count;
+    middle.prescribed_a /= count;
+    middle.prescribed_b /= count;
+    middle.target /= count;
+    push_middle(state, &middle, first..end, count)
+}
+
+/// Applies the impulse of the middle and shares it out among the approaching contacts.
+fn push_middle(state: &mut State, middle: &Constraint, contacts: Range<usize>, count: f32) -> bool {
+    let (a, b) = (middle.body_a as usize, middle.body_b as usize);
+    let k = mobility(state, a, middle.point) + mobility(state, b, middle.point);
+    let Some(whole) = whole_impulse(middle, relative_velocity(state, middle), &k) else {
+        return false;
+    };
+    for index in contacts {
+        if approaches(state, &state.pairs.constraints[index]) {
+            state.pairs.constraints[index].impulse += whole / count;
+        }
+    }
+    apply(state, a, middle.point, whole);
+    apply(state, b, middle.point, -whole);
+    true
+}
+
+/// Whether a contact's normal velocity is below its target.
+fn approaches(state: &State, contact: &Constraint) -> bool {
+    let velocity = relative_velocity(state, contact).dot(contact.normal);
+    contact.target - velocity > APPROACH_MIN
 }
 
 fn whole_impulse(constraint: &Constraint, velocity: Vec3, k: &Mat3) -> Option<Vec3> {
