@@ -1,5 +1,8 @@
 //! Least translations of unions: the paper's figures, and random unions checked by penetration.
 
+#[path = "common/shapes.rs"]
+mod shapes;
+
 use glam::Vec3;
 use palpable::geometry::penetration::core_penetration;
 use palpable::geometry::union::{
@@ -277,121 +280,4 @@ fn too_many_pairs_are_not_called_verified() {
     assert!(solve(&[one; 64], NODES_USUAL).verified);
     let found = solve(&[one; 65], NODES_USUAL);
     assert!(!found.verified && !found.optimal);
-}
-
-/// Hulls and random numbers.
-mod shapes {
-    use glam::{DQuat, DVec3, Quat, Vec3};
-    use palpable::geometry::convex::{Convex, Edge, Face, Lane};
-    use palpable::geometry::hull::HullBuilder;
-
-    /// A convex piece that owns its parts.
-    pub struct Hull {
-        points: Vec<Vec3>,
-        faces: Vec<Face>,
-        edges: Vec<Edge>,
-        loops: Vec<u16>,
-        pub radius: f32,
-        lanes: Vec<Lane>,
-        centre: Vec3,
-        half_extents: Vec3,
-    }
-
-    impl Hull {
-        pub fn new(points: &[Vec3], radius: f32) -> Self {
-            let mut builder = Box::new(HullBuilder::new());
-            let view = match *points {
-                [centre] => builder.sphere(centre),
-                [start, end] => builder.capsule(start, end),
-                _ => {
-                    let points: Vec<[f32; 3]> = points.iter().map(Vec3::to_array).collect();
-                    builder.build(&points)
-                }
-            };
-            let piece = view.expect("points with volume").convex(radius);
-            Self {
-                points: (0..piece.vertex_count)
-                    .map(|index| piece.vertex(index))
-                    .collect(),
-                faces: piece.faces.to_vec(),
-                edges: piece.edges.to_vec(),
-                loops: piece.loops.to_vec(),
-                radius,
-                lanes: piece.lanes.to_vec(),
-                centre: piece.centre,
-                half_extents: piece.half_extents,
-            }
-        }
-
-        pub fn view(&self) -> Convex<'_> {
-            Convex {
-                lanes: &self.lanes,
-                vertex_count: self.points.len(),
-                faces: &self.faces,
-                edges: &self.edges,
-                loops: &self.loops,
-                radius: self.radius,
-                centre: self.centre,
-                half_extents: self.half_extents,
-            }
-        }
-    }
-
-    /// A box with the given half extents about the origin.
-    pub fn cuboid(half: Vec3) -> Hull {
-        let points: Vec<Vec3> = (0..8)
-            .map(|i| {
-                let sign = |bit: usize| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
-                half * Vec3::new(sign(0), sign(1), sign(2))
-            })
-            .collect();
-        Hull::new(&points, 0.0)
-    }
-
-    /// `count` points on an ellipsoid, as a hull.
-    pub fn blob(random: &mut Random, count: usize, half: Vec3) -> Hull {
-        let points: Vec<Vec3> = (0..count)
-            .map(|_| (random.unit() * half.as_dvec3()).as_vec3())
-            .collect();
-        Hull::new(&points, 0.0)
-    }
-
-    /// A generator of repeatable numbers (SplitMix64).
-    pub struct Random(pub u64);
-
-    impl Random {
-        pub fn bits(&mut self) -> u64 {
-            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            z ^ (z >> 31)
-        }
-
-        /// In [0, 1).
-        pub fn next(&mut self) -> f64 {
-            (self.bits() >> 11) as f64 / (1u64 << 53) as f64
-        }
-
-        pub fn between(&mut self, low: f64, high: f64) -> f64 {
-            low + (high - low) * self.next()
-        }
-
-        pub fn unit(&mut self) -> DVec3 {
-            loop {
-                let v = DVec3::new(
-                    self.between(-1., 1.),
-                    self.between(-1., 1.),
-                    self.between(-1., 1.),
-                );
-                if v.length() > 0.1 && v.length() < 1.0 {
-                    return v.normalize();
-                }
-            }
-        }
-
-        pub fn turn(&mut self) -> Quat {
-            let angle = self.between(0.0, std::f64::consts::TAU);
-            DQuat::from_axis_angle(self.unit(), angle).as_quat()
-        }
-    }
 }

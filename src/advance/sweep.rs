@@ -115,7 +115,7 @@ pub(super) fn touches_any(state: &State, pairs: usize) -> bool {
 pub(super) fn run(state: &mut State, pairs: usize, leg: &BodyTrack, purse: &mut Purse) -> Swept {
     start(state, pairs, leg);
     loop {
-        let Some(next) = least_certified(state, pairs) else {
+        let Some(next) = state.pairs.least_certified(pairs) else {
             return Swept {
                 reached: 1.0,
                 cut: false,
@@ -158,17 +158,6 @@ fn start(state: &mut State, pairs: usize, leg: &BodyTrack) {
         pair.clear_until = until;
         pair.gap_time = 0.0;
     }
-}
-
-fn least_certified(state: &State, pairs: usize) -> Option<usize> {
-    let list = &state.pairs.list[..pairs];
-    let mut least = 0;
-    for (index, pair) in list.iter().enumerate() {
-        if pair.clear_until < list[least].clear_until {
-            least = index;
-        }
-    }
-    (!list.is_empty()).then_some(least)
 }
 
 /// Certifies a pair beyond `time`; true when it cannot be, so that it blocks the way.

@@ -176,7 +176,7 @@ fn may_touch(state: &State, a: usize, b: usize) -> bool {
 pub(super) fn run(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mut Purse) -> f32 {
     start(state, pairs, stretch);
     loop {
-        let Some(next) = least_certified(state, pairs) else {
+        let Some(next) = state.pairs.least_certified(pairs) else {
             return 1.0;
         };
         let time = state.pairs.list[next].clear_until;
@@ -203,17 +203,6 @@ fn start(state: &mut State, pairs: usize, stretch: &Stretch) {
             0.0
         };
     }
-}
-
-fn least_certified(state: &State, pairs: usize) -> Option<usize> {
-    let list = &state.pairs.list[..pairs];
-    let mut least = 0;
-    for (index, pair) in list.iter().enumerate() {
-        if pair.clear_until < list[least].clear_until {
-            least = index;
-        }
-    }
-    (!list.is_empty()).then_some(least)
 }
 
 /// Certifies a pair beyond `time`; true when it cannot be, so that it blocks the way.

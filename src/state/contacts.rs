@@ -87,6 +87,21 @@ columns! {
     }
 }
 
+impl Pairs<'_> {
+    /// The one of the first `count` pairs that is certified clear for the shortest time, the first of
+    /// those that tie.
+    pub(crate) fn least_certified(&self, count: usize) -> Option<usize> {
+        let list = &self.list[..count];
+        let mut least = 0;
+        for (index, pair) in list.iter().enumerate() {
+            if pair.clear_until < list[least].clear_until {
+                least = index;
+            }
+        }
+        (!list.is_empty()).then_some(least)
+    }
+}
+
 columns! {
     /// Contacts of the last frame, for the host.
     pub(crate) struct ContactPoints(capacities) {
