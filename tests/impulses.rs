@@ -2,73 +2,30 @@
 //! Every distance is judged from poses and the shapes' own sizes, in f64.
 
 mod common;
+#[path = "common/loose.rs"]
+mod loose;
 
-use common::{Block, add_box, add_piece};
+use common::{Block, add_box};
+use loose::{ball, floor, lowest_corner, position, surface};
 use palpable::frame::FrameInput;
 use palpable::limits::LOOSE_REST_M;
 use palpable::math::Pose;
 use palpable::memory::{BodyId, Capacities};
 use palpable::state::bodies::BodyKind;
-use palpable::state::materials::{Material, Surface};
-use palpable::world::{BodyDef, PieceDef, Shape, World};
+use palpable::world::World;
 
 const FRAME_S: f32 = 1.0 / 60.0;
 
 /// How deep a loose body may overlap anything: promise P1.
 const LOOSE_OVERLAP_M: f64 = 1e-3;
 
-fn floor(world: &mut World) -> BodyId {
-    // Top at y = 0.
-    add_box(
-        world,
-        BodyKind::Fixed,
-        Pose::at(0.0, -0.5, 0.0),
-        [20.0, 0.5, 20.0],
-    )
-}
-
-fn ball(world: &mut World, kind: BodyKind, at: [f32; 3], radius_m: f32) -> BodyId {
-    let body = world
-        .add_body(&BodyDef::new(kind, Pose::at(at[0], at[1], at[2])))
-        .unwrap();
-    add_piece(world, body, &PieceDef::new(Shape::Point, radius_m));
-    body
-}
-
-fn surface(world: &mut World, restitution: f32, friction: f32) {
-    let surface = Surface {
-        restitution,
-        friction,
-    };
-    world
-        .set_surface(Material::WOOD, Material::WOOD, surface)
-        .unwrap();
-}
-
 fn step(world: &mut World) {
     world.step(&FrameInput::unlimited(FRAME_S));
-}
-
-fn position(world: &World, body: BodyId) -> [f64; 3] {
-    world.pose(body).unwrap().position.map(f64::from)
 }
 
 /// Distance of two points.
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
-}
-
-/// Height of a box's lowest corner above y = 0.
-fn lowest_corner(pose: &Pose, half: [f32; 3]) -> f64 {
-    let [x, y, z, w] = pose.rotation.map(f64::from);
-    // Second row of the rotation matrix.
-    let row = [
-        2.0 * (x * y + z * w),
-        1.0 - 2.0 * (x * x + z * z),
-        2.0 * (y * z - x * w),
-    ];
-    let reach: f64 = (0..3).map(|i| row[i].abs() * f64::from(half[i])).sum();
-    f64::from(pose.position[1]) - reach
 }
 
 /// Distance of a point outside a box from it.

@@ -1,66 +1,23 @@
 //! Bugs that were found, each with the test that found it.
 
 mod common;
+#[path = "common/loose.rs"]
+mod loose;
 
 use common::{Block, add_box, add_piece};
-use palpable::frame::FrameInput;
+use loose::{ball, floor, lowest_corner, position, surface};
+use palpable::frame::{FrameInput, FrameReport};
 use palpable::limits::LOOSE_REST_M;
 use palpable::math::Pose;
 use palpable::memory::{BodyId, Capacities};
-use palpable::state::bodies::BodyKind;
-use palpable::state::materials::{Material, Surface};
+use palpable::state::bodies::{BodyKind, Coupling};
 use palpable::world::{BodyDef, PieceDef, Shape, World};
 
 const FRAME_S: f32 = 1.0 / 60.0;
 
-fn floor(world: &mut World) -> BodyId {
-    // Top at y = 0.
-    add_box(
-        world,
-        BodyKind::Fixed,
-        Pose::at(0.0, -0.5, 0.0),
-        [20.0, 0.5, 20.0],
-    )
-}
-
-fn ball(world: &mut World, kind: BodyKind, at: [f32; 3], radius_m: f32) -> BodyId {
-    let body = world
-        .add_body(&BodyDef::new(kind, Pose::at(at[0], at[1], at[2])))
-        .unwrap();
-    add_piece(world, body, &PieceDef::new(Shape::Point, radius_m));
-    body
-}
-
-fn surface(world: &mut World, restitution: f32, friction: f32) {
-    let surface = Surface {
-        restitution,
-        friction,
-    };
-    world
-        .set_surface(Material::WOOD, Material::WOOD, surface)
-        .unwrap();
-}
-
-fn position(world: &World, body: BodyId) -> [f64; 3] {
-    world.pose(body).unwrap().position.map(f64::from)
-}
-
 fn speed(world: &World, body: BodyId) -> f64 {
     let (v, _) = world.velocity(body).unwrap();
     v.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt()
-}
-
-/// Height of a box's lowest corner above y = 0.
-fn lowest_corner(pose: &Pose, half: [f32; 3]) -> f64 {
-    let [x, y, z, w] = pose.rotation.map(f64::from);
-    // Second row of the rotation matrix.
-    let row = [
-        2.0 * (x * y + z * w),
-        1.0 - 2.0 * (x * x + z * z),
-        2.0 * (y * z - x * w),
-    ];
-    let reach: f64 = (0..3).map(|i| row[i].abs() * f64::from(half[i])).sum();
-    f64::from(pose.position[1]) - reach
 }
 
 #[test]
@@ -97,8 +54,6 @@ fn a_sliding_block_stops_after_the_right_time_and_way() {
     assert!(position(&world, slider)[2].abs() < 0.01);
 }
 
-use palpable::frame::FrameReport;
-use palpable::state::bodies::Coupling;
 const SMALL: Capacities = Capacities {
     bodies: 4,
     pieces: 16,
