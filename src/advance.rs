@@ -44,15 +44,18 @@ struct Plan {
 /// distance query; what it spent.
 pub(crate) fn run(state: &mut State, units: u32, report: &mut FrameReport) -> u32 {
     let mut left = units;
+    let mut overlaps = 0;
     for body in 0..state.registers.body_slots as usize {
         if pairs::is_body_of(state, body, BodyKind::Driven) {
             let mut purse = Purse::new(left.min(ADVANCE_UNITS_MAX));
             let flags = advance(state, body, &mut purse);
+            overlaps |= flags & DrivenReport::OVERLAPS;
             state.bodies.report[body].flags |= flags;
             report.flags |= frame_flags(flags);
             left -= purse.spent();
         }
     }
+    state.registers.disturbed = u32::from(overlaps != 0);
     units - left
 }
 
@@ -98,7 +101,8 @@ fn advance(state: &mut State, body: usize, purse: &mut Purse) -> u32 {
         root: state.legs.wanted[body],
         local: 1.0,
     };
-    if start.root == wanted.root && locals_rest(state, body) {
+    let rests = start.root == wanted.root && locals_rest(state, body);
+    if rests && state.registers.disturbed == 0 {
         return 0;
     }
     if let Some(flags) = snap(state, body, purse) {

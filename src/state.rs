@@ -41,6 +41,11 @@ pub(crate) struct Registers {
     pub materials: u32,
     /// Contacts that the host can read.
     pub contacts: u32,
+    /// One while the host may have made overlap: it placed or changed something since the last frame,
+    /// or a driven body still overlaps.
+    pub disturbed: u32,
+    /// Zero.
+    pub padding: u32,
     /// The most that was ever in use at once.
     pub high_water: Capacities,
 }

@@ -154,8 +154,9 @@ impl World<'_> {
         Ok(())
     }
 
-    /// Wakes every dynamic body: the world around them changed.
+    /// Wakes every dynamic body, and has the next frame look for overlap: the world changed.
     pub(crate) fn wake_all(&mut self) {
+        self.state.registers.disturbed = 1;
         for momentum in self.state.bodies.momentum.iter_mut() {
             momentum.asleep = 0;
             momentum.still_s = 0.0;
