@@ -8,9 +8,13 @@ pub(crate) mod double;
 pub mod hull;
 pub mod mass;
 
+pub(crate) mod difference;
 pub mod distance;
+pub(crate) mod expansion;
 pub mod penetration;
+pub mod relative;
 pub mod separation;
+pub(crate) mod simplex;
 
 pub mod manifold;
 pub mod union;

@@ -1,12 +1,10 @@
 //! What a convex piece is made of.
 
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
+use wide::f32x8;
 
-use crate::math::{LANE_WIDTH, max, min};
-
-/// The places of a lane.
-const PLACES: [f32; LANE_WIDTH] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+use crate::math::{LANE_WIDTH, max};
 
 /// Eight vertices, one coordinate after the other, in metres.
 ///
@@ -69,6 +67,8 @@ pub struct Convex<'a> {
     pub centre: Vec3,
     /// Half the size of the core's bounding box, in metres.
     pub half_extents: Vec3,
+    /// Whether the core is its bounding box, to the bit.
+    pub is_box: bool,
 }
 
 /// A vertex and how far it reaches along the direction it was asked for.
@@ -107,6 +107,15 @@ impl Convex<'_> {
         support_of(self.lanes, direction)
     }
 
+    /// Index of the vertex that reaches farthest along `direction`, compared in f64.
+    ///
+    /// Cost: one pass over the lanes, and one product in f64 for each vertex that f32 cannot tell from the
+    /// best.
+    #[inline]
+    pub(crate) fn support_exact(&self, direction: DVec3) -> usize {
+        support_exact_of(self, direction)
+    }
+
     /// Radius of the smallest ball about the frame's origin that holds the bounding box of the
     /// core, in metres. The rounding radius is not in it.
     #[inline]
@@ -124,43 +133,126 @@ impl Convex<'_> {
     }
 }
 
-/// Products of eight vertices with a direction.
-#[inline]
-fn dots(lane: &Lane, direction: Vec3) -> [f32; LANE_WIDTH] {
-    core::array::from_fn(|i| {
-        lane.x[i] * direction.x + lane.y[i] * direction.y + lane.z[i] * direction.z
-    })
+/// Rounding of a product of a vertex and a direction in f32: three roundings of the coordinates'
+/// products, two of the sum and one of the direction, each half of this.
+const DOT_ROUNDING: f32 = 4.0 * f32::EPSILON;
+
+/// Lanes whose products are kept at a time: as many as have places in 64 bits.
+const CHUNK: usize = 8;
+
+/// Products of up to [`CHUNK`] lanes with a direction.
+struct Products {
+    of_lanes: [f32x8; CHUNK],
+    count: usize,
+    most: f32,
 }
 
-/// The vertex with the largest product, the first of those that tie. Lanes are counted in f32, which
-/// is exact there and is selected by the mask that compares the products.
-///
-/// The order of the reductions is one that compilers turn into vectors of four; inlined, vectors of
-/// two were seen.
+impl Products {
+    #[inline(always)]
+    fn of(lanes: &[Lane], direction: Vec3) -> Self {
+        let [x, y, z] = [direction.x, direction.y, direction.z].map(f32x8::splat);
+        let mut new = Self {
+            of_lanes: [f32x8::ZERO; CHUNK],
+            count: lanes.len(),
+            most: f32::NEG_INFINITY,
+        };
+        let mut most = f32x8::splat(f32::NEG_INFINITY);
+        for (lane, products) in lanes.iter().zip(&mut new.of_lanes) {
+            *products = f32x8::new(lane.x) * x + f32x8::new(lane.y) * y + f32x8::new(lane.z) * z;
+            most = most.fast_max(*products);
+        }
+        let m = most.as_array();
+        new.most = max(
+            max(max(m[0], m[4]), max(m[2], m[6])),
+            max(max(m[1], m[5]), max(m[3], m[7])),
+        );
+        new
+    }
+
+    /// Places whose products are at least `least`, as bits.
+    #[inline(always)]
+    fn at_least(&self, least: f32) -> u64 {
+        let least = f32x8::splat(least);
+        let mut bits = 0;
+        let mut shift = 0;
+        for products in &self.of_lanes[..self.count] {
+            bits |= u64::from(products.simd_ge(least).to_bitmask()) << (shift & 63);
+            shift += LANE_WIDTH;
+        }
+        bits
+    }
+}
+
+/// The vertex with the largest product, the first of those that tie.
 #[inline(never)]
 fn support_of(lanes: &[Lane], direction: Vec3) -> Support {
-    let mut best = [f32::NEG_INFINITY; LANE_WIDTH];
-    let mut places = [0.0; LANE_WIDTH];
-    let mut start = 0.0;
-    for lane in lanes {
-        let dots = dots(lane, direction);
-        for i in 0..LANE_WIDTH {
-            let better = dots[i] > best[i];
-            best[i] = if better { dots[i] } else { best[i] };
-            places[i] = if better { start } else { places[i] };
+    let mut best = Support {
+        index: 0,
+        reach: f32::NEG_INFINITY,
+    };
+    let mut first = 0;
+    for lanes in lanes.chunks(CHUNK) {
+        let products = Products::of(lanes, direction);
+        if products.most > best.reach {
+            let place = products.at_least(products.most).trailing_zeros() as usize;
+            let lane = &products.of_lanes[place / LANE_WIDTH % CHUNK];
+            best = Support {
+                index: first + place,
+                reach: lane.as_array()[place % LANE_WIDTH],
+            };
         }
-        start += LANE_WIDTH as f32;
+        first += CHUNK * LANE_WIDTH;
     }
-    let [a, b, c, d] = [0, 1, 2, 3].map(|i| max(best[i], best[i + 4]));
-    let reach = max(max(a, b), max(c, d));
-    for i in 0..LANE_WIDTH {
-        let place = places[i] + PLACES[i];
-        places[i] = if best[i] == reach { place } else { start };
+    best
+}
+
+/// As [`support_of`], compared in f64: candidates are those that f32 cannot tell from the best.
+#[inline(never)]
+fn support_exact_of(piece: &Convex, direction: DVec3) -> usize {
+    let single = direction.as_vec3();
+    let span = (piece.centre.abs() + piece.half_extents).dot(single.abs());
+    let rounding = 2.0 * DOT_ROUNDING * span;
+    if piece.lanes.len() <= CHUNK {
+        let products = Products::of(piece.lanes, single);
+        let hits = products.at_least(products.most - rounding);
+        let first = hits.trailing_zeros() as usize;
+        if hits & hits.wrapping_sub(1) == 0 {
+            return first % (CHUNK * LANE_WIDTH);
+        }
+        let mut reach = f64::NEG_INFINITY;
+        return exact_of_hits(piece, direction, 0, hits, &mut reach).unwrap_or(0);
     }
-    let [a, b, c, d] = [0, 1, 2, 3].map(|i| min(places[i], places[i + 4]));
-    let first = min(min(a, b), min(c, d));
-    Support {
-        index: if first < start { first as usize } else { 0 },
-        reach,
+    let (mut index, mut reach, mut least) = (0, f64::NEG_INFINITY, f32::NEG_INFINITY);
+    let mut first = 0;
+    for lanes in piece.lanes.chunks(CHUNK) {
+        let products = Products::of(lanes, single);
+        least = max(least, products.most - rounding);
+        if products.most >= least {
+            let hits = products.at_least(least);
+            index = exact_of_hits(piece, direction, first, hits, &mut reach).unwrap_or(index);
+        }
+        first += CHUNK * LANE_WIDTH;
     }
+    index
+}
+
+/// The first vertex of those marked in `hits`, counted from `first` on, that reaches farthest, if it
+/// reaches farther than `reach`, which it then becomes.
+fn exact_of_hits(
+    piece: &Convex,
+    direction: DVec3,
+    first: usize,
+    mut hits: u64,
+    reach: &mut f64,
+) -> Option<usize> {
+    let mut index = None;
+    while hits != 0 {
+        let candidate = first + hits.trailing_zeros() as usize;
+        hits &= hits - 1;
+        let product = piece.vertex(candidate).as_dvec3().dot(direction);
+        if product > *reach {
+            (index, *reach) = (Some(candidate), product);
+        }
+    }
+    index
 }

@@ -98,6 +98,8 @@ pub struct HullView<'a> {
     pub centre: Vec3,
     /// Half the size of the bounding box, rounded up so that it holds every vertex.
     pub half_extents: Vec3,
+    /// Whether the core is its bounding box, to the bit.
+    pub is_box: bool,
 }
 
 impl<'a> HullView<'a> {
@@ -113,6 +115,7 @@ impl<'a> HullView<'a> {
             radius,
             centre: self.centre,
             half_extents: self.half_extents,
+            is_box: self.is_box,
         }
     }
 }

@@ -35,6 +35,7 @@ use arrayvec::ArrayVec;
 use glam::{Mat3, Vec3};
 
 use crate::geometry::convex::{Convex, Edge, Lane};
+use crate::geometry::relative::Relative;
 use crate::limits::PIECE_FACES_MAX;
 use crate::math::{LANE_WIDTH, Pose, direction, length, max, min, perpendicular};
 
@@ -103,6 +104,16 @@ pub fn core_penetration_until(
     a_in_b: &Pose,
     enough_m: f32,
 ) -> CorePenetration {
+    core_penetration_in(a, b, &Relative::from(a_in_b), enough_m)
+}
+
+/// As [`core_penetration_until`], from the pose in f64.
+pub(crate) fn core_penetration_in(
+    a: &Convex,
+    b: &Convex,
+    a_in_b: &Relative,
+    enough_m: f32,
+) -> CorePenetration {
     if a.faces.is_empty() && b.faces.is_empty() {
         return closest_of_segments(a, b, a_in_b);
     }
@@ -110,30 +121,6 @@ pub fn core_penetration_until(
         return pair.penetration(a, b, &pair.least(f64::from(enough_m)));
     }
     Search::new(a, b, a_in_b, Least::new(enough_m)).run()
-}
-
-/// As [`core_penetration`], with a direction to start from: the normal of an earlier answer, or zero.
-///
-/// The overlap along `seed` is measured once, and axes that cannot have less are left out early. The
-/// answer is bit for bit that of [`core_penetration`], whatever the seed. Cost: at most
-/// [`worst_steps`] and one support query of each core.
-#[must_use]
-pub fn core_penetration_seeded(
-    a: &Convex,
-    b: &Convex,
-    a_in_b: &Pose,
-    seed: Vec3,
-) -> CorePenetration {
-    let solid = !a.faces.is_empty() || !b.faces.is_empty();
-    let boxes = boxes::Boxes::of(a, b, a_in_b).is_some();
-    let (true, false, Some(normal)) = (solid, boxes, direction(seed)) else {
-        return core_penetration(a, b, a_in_b);
-    };
-    let mut search = Search::new(a, b, a_in_b, Least::new(f32::NEG_INFINITY));
-    // Along an axis that is none of the features', cores apart may part more than along those that are.
-    let depth = max(search.overlap(normal).0, 0.0);
-    search.sink.bound = depth + PRUNING_PART * (a.size() + b.size());
-    search.run()
 }
 
 /// Calls `visit` with the normal and overlap of every axis whose overlap is at most `cap_m`.
@@ -147,7 +134,8 @@ pub(crate) fn axes_within(
     cap_m: f32,
     visit: &mut dyn FnMut(Vec3, f32),
 ) {
-    let mut search = Search::new(a, b, a_in_b, Within { cap_m, visit });
+    let a_in_b = Relative::from(a_in_b);
+    let mut search = Search::new(a, b, &a_in_b, Within { cap_m, visit });
     search.all_faces();
     search.all_edges();
 }
@@ -166,8 +154,6 @@ trait Sink {
 struct Least {
     best: Axis,
     enough: f32,
-    /// No axis with this much overlap can be the least.
-    bound: f32,
 }
 
 impl Least {
@@ -178,17 +164,13 @@ impl Least {
             feature: Feature::Points,
             vertex_a: 0,
         };
-        Self {
-            best,
-            enough,
-            bound: f32::INFINITY,
-        }
+        Self { best, enough }
     }
 }
 
 impl Sink for Least {
     fn cap(&self) -> f32 {
-        min(self.best.depth, self.bound)
+        self.best.depth
     }
 
     fn done(&self) -> bool {
@@ -481,10 +463,10 @@ struct Axis {
 }
 
 impl<'p, 'a, 'b, S: Sink> Search<'p, 'a, 'b, S> {
-    fn new(a: &'p Convex<'a>, b: &'p Convex<'b>, a_in_b: &Pose, sink: S) -> Self {
-        let rotation = a_in_b.matrix();
+    fn new(a: &'p Convex<'a>, b: &'p Convex<'b>, a_in_b: &Relative, sink: S) -> Self {
+        let rotation = a_in_b.turn.as_mat3();
         let inverse = rotation.transpose();
-        let position = a_in_b.translation();
+        let position = a_in_b.shift.as_vec3();
         let rounding = PRUNING_PART * (a.size() + b.size());
         Self {
             a: Heights::new(a, b, inverse, -(inverse * position), rounding),
@@ -780,12 +762,11 @@ fn crossings(edge: &Arc, lane: &EdgeLane) -> u32 {
 }
 
 /// The closest points of two cores that are points or segments.
-fn closest_of_segments(a: &Convex, b: &Convex, a_in_b: &Pose) -> CorePenetration {
+fn closest_of_segments(a: &Convex, b: &Convex, a_in_b: &Relative) -> CorePenetration {
     let (start_a, along_a) = segment_of(a);
     let (start_b, along_b) = segment_of(b);
-    let rotation = a_in_b.matrix();
-    let along_a = rotation * along_a;
-    let start_a = rotation * start_a + a_in_b.translation();
+    let along_a = (a_in_b.turn * along_a.as_dvec3()).as_vec3();
+    let start_a = a_in_b.point(start_a).as_vec3();
     let (point_a, point_b) = closest_points(start_a, along_a, start_b, along_b);
     let between = point_a - point_b;
     let normal = direction(between).unwrap_or_else(|| normal_of_crossing(along_a, along_b));

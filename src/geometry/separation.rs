@@ -4,9 +4,13 @@
 use glam::Vec3;
 
 use super::convex::Convex;
-use super::distance::distance_within;
+use super::difference::Difference;
+use super::distance::approach;
+use super::expansion;
 use super::manifold::CoreGap;
-use super::penetration::core_penetration;
+use super::penetration::boxes::Boxes;
+use super::penetration::core_penetration_in;
+use super::relative::Relative;
 use crate::math::Pose;
 
 /// How two pieces lie to each other, in the world.
@@ -44,13 +48,8 @@ pub fn separation_within(
     accuracy: f32,
 ) -> Separation {
     let to_world = pose_b.quat();
-    let seed = if seed == Vec3::ZERO {
-        pose_a.point(a.centre) - pose_b.point(b.centre)
-    } else {
-        seed
-    };
-    let a_in_b = pose_a.seen_from(pose_b);
-    let core = core_gap_within(a, b, &a_in_b, to_world.conjugate() * seed, accuracy);
+    let a_in_b = Relative::between(pose_a, pose_b);
+    let core = gap_of_cores(a, b, &a_in_b, to_world.conjugate() * seed, accuracy);
     Separation {
         normal: to_world * core.normal,
         gap_m: core.gap - a.radius - b.radius,
@@ -63,14 +62,34 @@ pub fn separation_within(
 /// [`super::distance::distance`].
 #[must_use]
 pub fn core_gap(a: &Convex, b: &Convex, a_in_b: &Pose, seed: Vec3) -> CoreGap {
-    core_gap_within(a, b, a_in_b, seed, 0.0)
+    gap_of_cores(a, b, &Relative::from(a_in_b), seed, 0.0)
 }
 
-fn core_gap_within(a: &Convex, b: &Convex, a_in_b: &Pose, seed: Vec3, accuracy: f32) -> CoreGap {
-    let apart = distance_within(a, b, a_in_b, seed, accuracy);
-    if apart.cores_overlap() {
-        (&core_penetration(a, b, a_in_b)).into()
-    } else {
-        (&apart).into()
+fn gap_of_cores(a: &Convex, b: &Convex, a_in_b: &Relative, seed: Vec3, accuracy: f32) -> CoreGap {
+    if let Some(boxes) = Boxes::of(a, b, a_in_b)
+        && let Some(found) = boxes.core_gap()
+    {
+        return found;
     }
+    let pair = Difference { a, b, a_in_b };
+    let seed = if seed == Vec3::ZERO {
+        pair.guess()
+    } else {
+        seed.as_dvec3()
+    };
+    let found = approach(&pair, seed, f64::from(accuracy));
+    if found.lower_m > 0.0 {
+        return (&found.distance(&pair)).into();
+    }
+    if found.inside
+        && let Some(depth) = expansion::depth(&pair, found.simplex.corners())
+    {
+        return CoreGap {
+            normal: depth.normal.as_vec3(),
+            gap: -depth.depth_m as f32,
+            point_a: depth.point_a,
+            point_b: depth.point_b,
+        };
+    }
+    (&core_penetration_in(a, b, a_in_b, f32::NEG_INFINITY)).into()
 }

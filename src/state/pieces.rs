@@ -26,6 +26,8 @@ pub(crate) struct Shape {
     pub reach: f32,
     pub centre: Vec3,
     pub half_extents: Vec3,
+    /// One when the core is its bounding box, else zero.
+    pub is_box: u32,
 }
 
 /// An axis-aligned box in the world.
@@ -172,6 +174,7 @@ impl Pools<'_> {
             radius: shape.radius,
             centre: shape.centre,
             half_extents: shape.half_extents,
+            is_box: shape.is_box != 0,
         }
     }
 
@@ -204,6 +207,7 @@ impl Pools<'_> {
             reach: convex.core_reach() + convex.radius,
             centre: convex.centre,
             half_extents: convex.half_extents,
+            is_box: u32::from(convex.is_box),
         }
     }
 

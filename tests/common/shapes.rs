@@ -20,6 +20,7 @@ pub struct Hull {
     lanes: Vec<Lane>,
     centre: Vec3,
     half_extents: Vec3,
+    is_box: bool,
 }
 
 impl Hull {
@@ -45,6 +46,7 @@ impl Hull {
             lanes: piece.lanes.to_vec(),
             centre: piece.centre,
             half_extents: piece.half_extents,
+            is_box: piece.is_box,
         }
     }
 
@@ -58,6 +60,7 @@ impl Hull {
             radius: self.radius,
             centre: self.centre,
             half_extents: self.half_extents,
+            is_box: self.is_box,
         }
     }
 

@@ -79,6 +79,7 @@ pub struct Core {
     loops: Vec<u16>,
     centre: Vec3,
     half_extents: Vec3,
+    is_box: bool,
 }
 
 impl Core {
@@ -103,6 +104,7 @@ impl Core {
             loops: view.loops.to_vec(),
             centre: view.centre,
             half_extents: view.half_extents,
+            is_box: view.is_box,
         }
     }
 
@@ -117,6 +119,7 @@ impl Core {
             radius: 0.0,
             centre: self.centre,
             half_extents: self.half_extents,
+            is_box: self.is_box,
         }
     }
 }

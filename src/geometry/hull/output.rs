@@ -26,6 +26,7 @@ pub(super) struct Output {
     loops: ArrayVec<u16, PIECE_LOOPS_MAX>,
     centre: Vec3,
     half_extents: Vec3,
+    is_box: bool,
     /// The vertex made of each point, or `NONE`.
     vertex_of: [u16; PIECE_VERTICES_MAX],
     starts: ArrayVec<HalfEdge, PIECE_FACES_MAX>,
@@ -43,6 +44,7 @@ impl Output {
             loops: ArrayVec::new_const(),
             centre: Vec3::ZERO,
             half_extents: Vec3::ZERO,
+            is_box: false,
             vertex_of: [NONE; PIECE_VERTICES_MAX],
             starts: ArrayVec::new_const(),
             met_by: [NONE; PIECE_FACES_MAX],
@@ -58,6 +60,7 @@ impl Output {
             loops: &self.loops,
             centre: self.centre,
             half_extents: self.half_extents,
+            is_box: self.is_box,
         }
     }
 
@@ -116,6 +119,15 @@ impl Output {
             })
         };
         self.half_extents = Vec3::new(half(0), half(1), half(2));
+        self.is_box = self.vertex_count == 8 && (0..8).all(|index| self.is_corner(index));
+    }
+
+    /// Whether a vertex is a corner of the bounding box. Eight different vertices that are make it up.
+    fn is_corner(&self, index: usize) -> bool {
+        let centre = double::from_vec3(self.centre);
+        let half = double::from_vec3(self.half_extents);
+        let arm = double::sub(double::from_vec3(self.vertex(index)), centre);
+        (0..3).all(|axis| arm[axis].abs() == half[axis])
     }
 
     fn vertex(&self, index: usize) -> Vec3 {

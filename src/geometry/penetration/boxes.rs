@@ -2,69 +2,33 @@
 //! nothing cancels that f32 coordinates can hold. Edges are parallel by the same relative bound as
 //! those of other solids.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::{CorePenetration, Feature, PARALLEL_SINE};
-use crate::geometry::convex::{Convex, Face, Lane};
-use crate::math::{LANE_WIDTH, Pose, sqrt_f64};
+use crate::geometry::convex::Convex;
+use crate::geometry::manifold::CoreGap;
+use crate::geometry::relative::Relative;
+use crate::math::sqrt_f64;
+
+/// Points are as far apart as an axis proves when the difference is at most this part of the sum of
+/// the half extents.
+const NOISE_PART: f64 = 1e-14;
 
 /// A box whose sides are square to its own frame.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Cuboid {
+struct Cuboid {
     centre: DVec3,
     half: DVec3,
-    /// Indices of the faces at the low and the high end of each axis.
-    faces: [[u16; 2]; 3],
 }
 
 impl Cuboid {
-    /// The piece as a box, if that is exactly what it is.
     #[inline]
-    pub(crate) fn of(piece: &Convex) -> Option<Self> {
-        if piece.vertex_count != 8 || piece.faces.len() != 6 || piece.lanes.len() != 1 {
-            return None;
+    fn of(piece: &Convex) -> Self {
+        Self {
+            centre: piece.centre.as_dvec3(),
+            half: piece.half_extents.as_dvec3(),
         }
-        let (mut low, mut high) = ([f32::NAN; 3], [f32::NAN; 3]);
-        let mut faces = [[0; 2]; 3];
-        for (index, face) in piece.faces.iter().enumerate() {
-            let axis = axis_of(face)?;
-            if face.normal[axis] > 0.0 {
-                high[axis] = face.offset;
-                faces[axis][1] = index as u16;
-            } else {
-                low[axis] = -face.offset;
-                faces[axis][0] = index as u16;
-            }
-        }
-        let (low, high) = (Vec3::from_array(low), Vec3::from_array(high));
-        if !corners_only(&piece.lanes[0], low, high) {
-            return None;
-        }
-        let (low, high) = (low.as_dvec3(), high.as_dvec3());
-        Some(Self {
-            centre: 0.5 * (low + high),
-            half: 0.5 * (high - low),
-            faces,
-        })
     }
-}
-
-/// The coordinate axis that a face is square to.
-#[inline]
-fn axis_of(face: &Face) -> Option<usize> {
-    (0..3).find(|&axis| face.normal[axis].abs() == 1.0)
-}
-
-/// Whether every vertex is a corner of the box; false when a side is not a number.
-#[inline]
-fn corners_only(lane: &Lane, low: Vec3, high: Vec3) -> bool {
-    let mut all = true;
-    for i in 0..LANE_WIDTH {
-        all &= (lane.x[i] == low.x) | (lane.x[i] == high.x);
-        all &= (lane.y[i] == low.y) | (lane.y[i] == high.y);
-        all &= (lane.z[i] == low.z) | (lane.z[i] == high.z);
-    }
-    all
 }
 
 /// Which of the fifteen axes.
@@ -98,16 +62,37 @@ pub(crate) struct Least {
 impl Boxes {
     /// Both pieces as boxes, if they are.
     #[inline]
-    pub(crate) fn of(a: &Convex, b: &Convex, a_in_b: &Pose) -> Option<Self> {
-        let (a, b) = (Cuboid::of(a)?, Cuboid::of(b)?);
-        let axes = axes(a_in_b);
-        let position = a_in_b.translation().as_dvec3();
-        let turned = axes[0] * a.centre.x + axes[1] * a.centre.y + axes[2] * a.centre.z;
+    pub(crate) fn of(a: &Convex, b: &Convex, a_in_b: &Relative) -> Option<Self> {
+        if !(a.is_box && b.is_box) {
+            return None;
+        }
+        let (a, b) = (Cuboid::of(a), Cuboid::of(b));
+        let turn = &a_in_b.turn;
         Some(Self {
-            offset: turned + position - b.centre,
+            offset: *turn * a.centre + a_in_b.shift - b.centre,
             a,
             b,
-            axes,
+            axes: [turn.x_axis, turn.y_axis, turn.z_axis],
+        })
+    }
+
+    /// How far apart the boxes are, or how deep: exact up to what f64 loses. `None` where no axis of
+    /// features decides it: they touch, or their nearest features are two corners, or a corner and an
+    /// edge.
+    #[inline]
+    pub(crate) fn core_gap(&self) -> Option<CoreGap> {
+        let least = self.least(f64::NEG_INFINITY);
+        let noise = NOISE_PART * (self.a.half.element_sum() + self.b.half.element_sum());
+        let (on_a, on_b) = if least.depth > 0.0 {
+            self.points(&least)
+        } else {
+            self.nearest_points(&least, noise)?
+        };
+        Some(CoreGap {
+            normal: least.normal.as_vec3(),
+            gap: -least.depth as f32,
+            point_a: (on_a + self.b.centre).as_vec3(),
+            point_b: (on_b + self.b.centre).as_vec3(),
         })
     }
 
@@ -261,21 +246,15 @@ impl Boxes {
         let low = self.low_corner_of_a(least.normal);
         let high = Self::high_corner_of_b(least.normal);
         match least.kind {
-            Kind::FaceB(k) => Feature::FaceB(self.b.faces[k][usize::from(high[k])]),
-            Kind::FaceA(i) => Feature::FaceA(self.a.faces[i][usize::from(low[i])]),
-            Kind::Edges(i, j) => {
-                Feature::Edges(edge_of(a, &self.a, i, low), edge_of(b, &self.b, j, high))
-            }
+            Kind::FaceB(k) => Feature::FaceB(faces_of(b)[k][usize::from(high[k])]),
+            Kind::FaceA(i) => Feature::FaceA(faces_of(a)[i][usize::from(low[i])]),
+            Kind::Edges(i, j) => Feature::Edges(edge_of(a, i, low), edge_of(b, j, high)),
         }
     }
 
-    /// Two points in the frame of B that are as far apart as the axis proves, within `noise`, when
-    /// the nearest features are those of the axis. A point of A twice when the boxes overlap.
-    pub(crate) fn nearest_points(&self, least: &Least, noise: f64) -> Option<(DVec3, DVec3)> {
-        if least.depth > 0.0 {
-            let (low, _) = self.points(least);
-            return Some((low + self.b.centre, low + self.b.centre));
-        }
+    /// Two points, from the centre of B, that are as far apart as the axis proves, within `noise`: the
+    /// nearest features are those of the axis.
+    fn nearest_points(&self, least: &Least, noise: f64) -> Option<(DVec3, DVec3)> {
         let (on_a, on_b) = match least.kind {
             Kind::Edges(..) => self.points(least),
             Kind::FaceB(_) => {
@@ -302,28 +281,27 @@ impl Boxes {
         };
         let upper_squared = (on_a - on_b).length_squared();
         let limit = noise - least.depth;
-        (upper_squared <= limit * limit).then_some((on_a + self.b.centre, on_b + self.b.centre))
+        (upper_squared <= limit * limit).then_some((on_a, on_b))
     }
 }
 
-/// The turned coordinate axes of a pose whose quaternion has unit length only up to f32 rounding.
-fn axes(pose: &Pose) -> [DVec3; 3] {
-    let [x, y, z, w] = pose.rotation.map(f64::from);
-    let s = 2.0 / (x * x + y * y + z * z + w * w);
-    let (xs, ys, zs) = (x * s, y * s, z * s);
-    let (wx, wy, wz) = (w * xs, w * ys, w * zs);
-    let (xx, xy, xz) = (x * xs, x * ys, x * zs);
-    let (yy, yz, zz) = (y * ys, y * zs, z * zs);
-    [
-        DVec3::new(1.0 - (yy + zz), xy + wz, xz - wy),
-        DVec3::new(xy - wz, 1.0 - (xx + zz), yz + wx),
-        DVec3::new(xz + wy, yz - wx, 1.0 - (xx + yy)),
-    ]
+/// Indices of a box's faces at the low and the high end of each axis.
+fn faces_of(piece: &Convex) -> [[u16; 2]; 3] {
+    let mut faces = [[0; 2]; 3];
+    for (index, face) in piece.faces.iter().enumerate() {
+        for axis in 0..3 {
+            if face.normal[axis].abs() == 1.0 {
+                faces[axis][usize::from(face.normal[axis] > 0.0)] = index as u16;
+            }
+        }
+    }
+    faces
 }
 
 /// The edge of a box along an axis, at the given ends of the two others.
-fn edge_of(piece: &Convex, cuboid: &Cuboid, axis: usize, high: [bool; 3]) -> u16 {
-    let face = |m: usize| cuboid.faces[m % 3][usize::from(high[m % 3])];
+fn edge_of(piece: &Convex, axis: usize, high: [bool; 3]) -> u16 {
+    let faces = faces_of(piece);
+    let face = |m: usize| faces[m % 3][usize::from(high[m % 3])];
     let (first, second) = (face(axis + 1), face(axis + 2));
     let beside = |faces: [u16; 2]| faces == [first, second] || faces == [second, first];
     let found = piece.edges.iter().position(|edge| beside(edge.faces));
