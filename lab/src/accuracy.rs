@@ -1,10 +1,11 @@
 //! How exact and how fast penetration, distance and least translations are, beside parry3d and
-//! against the lab's f64 reference.
+//! the paper's own local walk, and against the lab's f64 reference.
 //!
 //! Everything but the times is a pure function of the seed.
 
 mod figure;
 pub mod generate;
+pub mod local_walk;
 pub mod measure;
 pub mod methods;
 pub mod shapes;
@@ -20,7 +21,7 @@ use serde::Serialize;
 use generate::Class;
 use measure::{Score, Scores};
 use methods::Method;
-use summary::{Beyond, Ratios, Row};
+use summary::{Beyond, Ratios, Row, Walks};
 use unions::{Moved, UnionClass, UnionRow};
 
 use crate::report::Machine;
@@ -72,6 +73,8 @@ pub struct Accuracy {
     pub rows: Vec<Row>,
     /// One per class.
     pub ratios: Vec<Ratios>,
+    /// One per class, cold and warm: the paper's local walk.
+    pub walks: Vec<Walks>,
     /// Where the kernel is less exact than aimed at.
     pub beyond: Vec<Beyond>,
     /// One per class of unions and mover.
@@ -113,6 +116,7 @@ pub fn run(plan: &Plan, mut tick: impl FnMut()) -> Accuracy {
         seed: plan.seed,
         pairs: plan.pairs,
         ratios: Class::ALL.map(|class| Ratios::new(class, &rows)).into(),
+        walks: Walks::all(&scores, &rows),
         rows,
         beyond: scores
             .iter()

@@ -48,11 +48,13 @@ const GRID: RGBColor = RGBColor(0xD3, 0xD8, 0xDD);
 const LEADER: RGBColor = RGBColor(0x9A, 0xA3, 0xAC);
 
 /// The methods that are drawn, with their colours.
-const DRAWN: [(Method, RGBColor); 4] = [
+const DRAWN: [(Method, RGBColor); 6] = [
     (Method::Palpable, RGBColor(0x1F, 0x4E, 0x79)),
     (Method::PalpableWarm, RGBColor(0x3D, 0x9A, 0xC9)),
     (Method::ParryF32, RGBColor(0xB0, 0x41, 0x3A)),
     (Method::ParryF64, RGBColor(0xC0, 0x78, 0x2A)),
+    (Method::LocalWalk, RGBColor(0x35, 0x61, 0x1E)),
+    (Method::LocalWalkWarm, RGBColor(0x72, 0x9F, 0x35)),
 ];
 
 /// A stand-alone SVG document, 1160 pixels wide: the 99th percentile of the error across, the
@@ -301,6 +303,11 @@ fn draw_mark(area: &Area, method: Method, at: Spot) -> Drawn {
                 style,
             ))
         }
+        Method::LocalWalk | Method::LocalWalkWarm => {
+            let corners = [(0.0, -1.2), (1.2, 0.0), (0.0, 1.2), (-1.2, 0.0)];
+            let corners = corners.map(|(x, y)| place((at.0 + MARK * x, at.1 + MARK * y)));
+            area.draw(&Polygon::new(corners.to_vec(), style))
+        }
         _ => area.draw(&Circle::new(place(at), (MARK * SUBPIXELS) as i32, style)),
     }
 }
@@ -328,6 +335,10 @@ fn legend(area: &Area) -> Drawn {
             HPos::Left,
         )?;
         y += LEGEND_LINE;
+    }
+    for line in ["the walk: overlapping pairs", "only, the others: all pairs"] {
+        text(area, line, (LEGEND_LEFT, y), SMALL, QUIET, HPos::Left)?;
+        y += 0.75 * LEGEND_LINE;
     }
     y += 0.5 * LEGEND_LINE;
     for (index, class) in Class::ALL.into_iter().enumerate() {

@@ -73,14 +73,14 @@ impl Score {
     }
 }
 
-/// All scores of one method in one class, in the order of the pairs.
+/// All scores of one method in one class, in the order of the pairs that it was asked about.
 #[derive(Clone, Debug, Serialize)]
 pub struct Scores {
     /// The class.
     pub class: Class,
     /// The method.
     pub method: Method,
-    /// One a pair.
+    /// One a pair; only overlapping pairs for a method that is for these.
     pub scores: Vec<Score>,
 }
 
@@ -102,26 +102,36 @@ pub fn class(
     for index in 0..pairs {
         let judged = judge(&pair(class, seed, index), &mut builder, timed);
         for (scores, score) in all.iter_mut().zip(judged) {
-            scores.scores.push(score);
+            scores.scores.extend(score);
         }
         tick();
     }
     all.into()
 }
 
-fn judge(pair: &Pair, builder: &mut HullBuilder, timed: bool) -> [Score; Method::ALL.len()] {
+/// One score a method; none if the method is not for this pair.
+fn judge(
+    pair: &Pair,
+    builder: &mut HullBuilder,
+    timed: bool,
+) -> [Option<Score>; Method::ALL.len()] {
     let ready = Ready::new(pair, builder);
     let solids = solids(&pair.shapes);
-    let truth = pair.poses.map(|poses| Truth::new(&solids, &poses));
-    let answers = Method::ALL.map(|method| ready.ask_guarded(method));
+    let truths = pair.poses.map(|poses| Truth::new(&solids, &poses));
+    let truth_of = |method: Method| &truths[usize::from(method.is_warm())];
+    let asked = Method::ALL.map(|m| !m.needs_overlap() || truth_of(m).signed.value < 0.0);
+    let answers = std::array::from_fn(|place| {
+        let method = Method::ALL[place];
+        asked[place].then(|| ready.ask_guarded(method)).flatten()
+    });
     let times = if timed {
         times_ns(&ready, &answers)
     } else {
         [0.0; Method::ALL.len()]
     };
     std::array::from_fn(|place| {
-        let truth = &truth[usize::from(Method::ALL[place].is_warm())];
-        truth.score(pair, answers[place], times[place])
+        let truth = truth_of(Method::ALL[place]);
+        asked[place].then(|| truth.score(pair, answers[place], times[place]))
     })
 }
 
@@ -196,7 +206,7 @@ fn is_finite(answer: &Answer) -> bool {
 }
 
 /// The least time of a call per method; methods take turns so that the machine's moods hit all.
-/// Methods that panicked are not asked again.
+/// Methods that panicked or were not asked are not timed.
 fn times_ns(
     ready: &Ready,
     answers: &[Option<Option<Answer>>; Method::ALL.len()],

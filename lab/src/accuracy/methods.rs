@@ -7,8 +7,10 @@ use palpable::geometry::separation::separation;
 use palpable::math::Pose;
 use serde::Serialize;
 
-use super::generate::Pair;
+use super::generate::{Pair, solids};
+use super::local_walk::{self, Found, Mesh, Start, walk};
 use super::shapes::Shape;
+use crate::reference::Solid;
 
 /// Who answers, and whether it may use the answer for the first poses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -26,17 +28,23 @@ pub enum Method {
     ParryF64,
     /// parry3d in f64 at the second poses, started in the first normal's direction.
     ParryF64Warm,
+    /// The paper's local walk from the direction between the centres, at the first poses.
+    LocalWalk,
+    /// The paper's local walk at the second poses, from where the first walk ended.
+    LocalWalkWarm,
 }
 
 impl Method {
     /// All methods in the order of the tables.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 8] = [
         Self::Palpable,
         Self::ParryF32,
         Self::ParryF64,
+        Self::LocalWalk,
         Self::PalpableWarm,
         Self::ParryF32Warm,
         Self::ParryF64Warm,
+        Self::LocalWalkWarm,
     ];
 
     /// The method's name for people.
@@ -48,6 +56,8 @@ impl Method {
             Self::ParryF32Warm => "parry f32, warm",
             Self::ParryF64 => "parry f64",
             Self::ParryF64Warm => "parry f64, warm",
+            Self::LocalWalk => "local walk",
+            Self::LocalWalkWarm => "local walk, warm",
         }
     }
 
@@ -55,8 +65,13 @@ impl Method {
     pub fn is_warm(self) -> bool {
         matches!(
             self,
-            Self::PalpableWarm | Self::ParryF32Warm | Self::ParryF64Warm
+            Self::PalpableWarm | Self::ParryF32Warm | Self::ParryF64Warm | Self::LocalWalkWarm
         )
+    }
+
+    /// Whether the method is for pieces that overlap, and is not asked about others.
+    pub fn needs_overlap(self) -> bool {
+        matches!(self, Self::LocalWalk | Self::LocalWalkWarm)
     }
 }
 
@@ -67,6 +82,15 @@ pub struct Answer {
     pub gap_m: f64,
     /// From B into A.
     pub normal: DVec3,
+}
+
+impl From<Found> for Answer {
+    fn from(found: Found) -> Self {
+        Self {
+            gap_m: -found.overlap_m,
+            normal: found.normal,
+        }
+    }
 }
 
 /// A core of the kernel that owns its parts.
@@ -233,6 +257,10 @@ pub struct Ready {
     reach_m: f64,
     /// Normals of the first poses: the kernel's, parry f32's, parry f64's.
     first: [DVec3; 3],
+    meshes: Option<[Mesh; 2]>,
+    exact_poses: [[(DQuat, DVec3); 2]; 2],
+    /// Where the walk at the first poses ended.
+    first_walk: Option<Found>,
 }
 
 /// `prediction` of parry, relative to the sum of both sizes and the distance of the origins.
@@ -244,6 +272,7 @@ impl Ready {
         let [a, b] = &pair.shapes;
         let both = |a: Option<Core>, b: Option<Core>| Some([a?, b?]);
         let cores = both(Core::new(builder, a).ok(), Core::new(builder, b).ok());
+        let solids = solids(&pair.shapes);
         let single = guarded(|| Some([single::shape(a)?, single::shape(b)?])).flatten();
         let double = guarded(|| Some([double::shape(a)?, double::shape(b)?])).flatten();
         let mut ready = Self {
@@ -253,9 +282,13 @@ impl Ready {
             single_poses: pair.poses.map(|two| two.map(|pose| single::pose(&pose))),
             double,
             double_poses: pair.poses.map(|two| two.map(|pose| double::pose(&pose))),
-            reach_m: reach_m(pair),
+            reach_m: reach_m(pair, &solids),
             first: [DVec3::Y; 3],
+            meshes: meshes(&solids),
+            exact_poses: pair.poses.map(|two| two.each_ref().map(exact)),
+            first_walk: None,
         };
+        ready.first_walk = ready.walk(0, None);
         for (place, method) in [Method::Palpable, Method::ParryF32, Method::ParryF64]
             .into_iter()
             .enumerate()
@@ -300,7 +333,16 @@ impl Ready {
                 self.reach_m,
                 self.first[2],
             ),
+            Method::LocalWalk => self.walk(cold, None).map(Answer::from),
+            Method::LocalWalkWarm => self.walk(warm, self.first_walk.as_ref()).map(Answer::from),
         }
+    }
+
+    /// The walk from where the last one ended, or from the direction between the centres.
+    fn walk(&self, at: usize, last: Option<&Found>) -> Option<Found> {
+        let pair = local_walk::Pair::new(self.meshes.as_ref()?, &self.exact_poses[at]);
+        let start = last.map_or_else(|| Start::between_centres(&pair), Start::at);
+        Some(walk(&pair, &start))
     }
 
     /// As [`Ready::ask`]; none outside if the method panicked.
@@ -313,8 +355,12 @@ fn guarded<T>(work: impl FnOnce() -> T) -> Option<T> {
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).ok()
 }
 
-fn reach_m(pair: &Pair) -> f64 {
-    let sizes = super::generate::solids(&pair.shapes).map(|solid| solid.size());
+fn meshes([a, b]: &[Solid; 2]) -> Option<[Mesh; 2]> {
+    Some([Mesh::new(a)?, Mesh::new(b)?])
+}
+
+fn reach_m(pair: &Pair, solids: &[Solid; 2]) -> f64 {
+    let sizes = solids.each_ref().map(Solid::size);
     let [a, b] = pair.poses[0].map(|pose| pose.translation().as_dvec3());
     REACH * (sizes[0] + sizes[1] + a.distance(b))
 }

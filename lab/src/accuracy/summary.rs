@@ -42,7 +42,7 @@ pub struct Row {
     pub class: Class,
     /// The method.
     pub method: Method,
-    /// How many pairs.
+    /// How many pairs the method was asked about.
     pub pairs: usize,
     /// Failures among them.
     pub failures: usize,
@@ -120,6 +120,66 @@ impl Ratios {
             warm: warm(|row| row.time_ns),
             warm_overlapping: warm(|row| row.overlapping_ns),
             targets: targets(class),
+        }
+    }
+}
+
+/// A walk whose answer is deeper than the depth by this, relative to size, ended at a local minimum.
+const LOCAL_MIN: f64 = 1e-6;
+
+/// How often the local walk ends at the depth, and its time beside the others', on overlapping pairs.
+#[derive(Clone, Debug, Serialize)]
+pub struct Walks {
+    /// The class.
+    pub class: Class,
+    /// The walk, cold or warm.
+    pub method: Method,
+    /// How many pairs overlap.
+    pub pairs: usize,
+    /// How many walks ended deeper than the depth, by more than rounding.
+    pub local_minima: usize,
+    /// How many of these are failures: off by more than a tenth.
+    pub failures: usize,
+    /// The largest factor by which a walk ended deeper, of pairs that do more than touch.
+    pub worst_factor: Option<f64>,
+    /// Median times in nanoseconds of the walk, Palpable, parry f32 and parry f64.
+    pub times_ns: [Option<f64>; 4],
+}
+
+impl Walks {
+    /// Cold and warm, from all scores and rows.
+    pub fn all(scores: &[Scores], rows: &[Row]) -> Vec<Self> {
+        let walks = scores.iter().filter(|scores| scores.method.needs_overlap());
+        walks.map(|walk| Self::new(walk, rows)).collect()
+    }
+
+    fn new(walk: &Scores, rows: &[Row]) -> Self {
+        let methods = if walk.method.is_warm() {
+            [
+                Method::PalpableWarm,
+                Method::ParryF32Warm,
+                Method::ParryF64Warm,
+            ]
+        } else {
+            [Method::Palpable, Method::ParryF32, Method::ParryF64]
+        };
+        let [palpable, single, double] = methods;
+        let median = |method| {
+            let mut rows = rows.iter();
+            let row = rows.find(|row| row.class == walk.class && row.method == method)?;
+            row.overlapping_ns.map(|spread| spread.median)
+        };
+        let is_local = |score: &&Score| score.error.is_some_and(|error| error > LOCAL_MIN);
+        let factor = |s: &Score| Some(1.0 + s.error? * s.size_m / s.reference_m.abs());
+        let deep = walk.scores.iter().filter(|score| score.overlaps());
+        Self {
+            class: walk.class,
+            method: walk.method,
+            pairs: walk.scores.len(),
+            local_minima: walk.scores.iter().filter(is_local).count(),
+            failures: walk.scores.iter().filter(|s| s.failure.is_some()).count(),
+            worst_factor: deep.filter_map(factor).max_by(f64::total_cmp),
+            times_ns: [walk.method, palpable, single, double].map(median),
         }
     }
 }

@@ -3,18 +3,21 @@
 use comfy_table::{Cell, CellAlignment, ContentArrangement, LineStyle, Table, presets};
 
 use super::Accuracy;
-use super::summary::{Beyond, ERROR_AIM, LEFT_AIM, Ratios, Row, Spread};
+use super::methods::Method;
+use super::summary::{Beyond, ERROR_AIM, LEFT_AIM, Ratios, Row, Spread, Walks};
 use super::unions::UnionRow;
 
 /// What stands where there is nothing to measure.
 const NOTHING: &str = "–";
 
-/// All tables: accuracy and time per class and method, ratios with their targets, failures, unions.
+/// All tables: accuracy and time per class and method, ratios with their targets, the
+/// paper's local walk, failures, unions.
 pub fn tables(accuracy: &Accuracy) -> String {
     [
         format!(
             "Depth and distance against f64, {} pairs a class, seed {}. Errors relative to the smaller \
-             piece's size;\nleft: what moving by the answer leaves. Warm: moved by 1 mm or 1 %, and 5 mrad.\n{}",
+             piece's size;\nleft: what moving by the answer leaves. Warm: moved by 1 mm or 1 %, and 5 mrad.\n\
+             The local walk is asked for overlapping pairs only.\n{}",
             accuracy.pairs,
             accuracy.seed,
             rows(&accuracy.rows)
@@ -22,6 +25,11 @@ pub fn tables(accuracy: &Accuracy) -> String {
         format!(
             "Palpable is faster than parry3d f32 by these factors (medians of the calls that\nanswered at all, right or wrong; aims in brackets)\n{}",
             ratios(&accuracy.ratios)
+        ),
+        format!(
+            "The paper's local walk on overlapping pairs: how often it ended deeper than the depth, and off by\n\
+             more than a tenth of it; by what factor at worst, and median ns, of pairs that do more than touch\n{}",
+            walks(&accuracy.walks)
         ),
         format!(
             "Where Palpable is less exact than aimed at: error {ERROR_AIM:e}, left {LEFT_AIM:e}\n{}",
@@ -120,6 +128,56 @@ fn factor(value: Option<f64>, aim: Option<f64>) -> Cell {
         Some(aim) if value >= aim => format!("{value:.2} (met, {aim})"),
         Some(aim) => format!("{value:.2} (missed, {aim})"),
     })
+}
+
+fn walks(rows: &[Walks]) -> Table {
+    let mut table = table(&[
+        "class",
+        "method",
+        "local minima",
+        "off",
+        "worst factor",
+        "ns walk",
+        "Palpable",
+        "parry f32",
+        "parry f64",
+    ]);
+    let mut last = None;
+    for row in rows {
+        let is_new = last.replace(row.class) != Some(row.class);
+        let worst = row.worst_factor.map(|factor| format!("{factor:.2}"));
+        let mut cells = vec![
+            Cell::new(if is_new { row.class.name() } else { "" }),
+            Cell::new(row.method.name()),
+            right(format!("{}/{}", row.local_minima, row.pairs)),
+            right(format!("{}/{}", row.failures, row.pairs)),
+            right(worst.unwrap_or_else(|| NOTHING.to_owned())),
+        ];
+        cells.extend(row.times_ns.map(whole));
+        table.add_row(cells);
+    }
+    for method in [Method::LocalWalk, Method::LocalWalkWarm] {
+        table.add_row(walks_of_all_classes(rows, method));
+    }
+    table
+}
+
+fn walks_of_all_classes(rows: &[Walks], method: Method) -> [Cell; 4] {
+    let sum = |of: fn(&Walks) -> usize| -> usize {
+        let rows = rows.iter().filter(|row| row.method == method);
+        rows.map(of).sum()
+    };
+    let pairs = sum(|row| row.pairs);
+    let part = |count: usize| {
+        let percent = 100.0 * count as f64 / pairs.max(1) as f64;
+        right(format!("{count}/{pairs}, {percent:.1} %"))
+    };
+    [
+        Cell::new("all classes"),
+        Cell::new(method.name()),
+        part(sum(|row| row.local_minima)),
+        part(sum(|row| row.failures)),
+    ]
 }
 
 fn beyond(rows: &[Beyond]) -> Table {
