@@ -154,7 +154,7 @@ impl Meeting {
     /// What the kernel may lose by f32. A rounding is 6e-8 of a coordinate; a point passes through two
     /// rotations (products and sums of a rounded quaternion), two translations and the supports' sums,
     /// and the time itself is rounded, by the way's part of it: some 30 roundings, which mostly cancel.
-    /// Two in one direction were seen, three are allowed.
+    /// Less than one was seen of it all, three are allowed.
     fn rounding(&self) -> f64 {
         let pair = self.pair();
         let way = pair.motion_a.way_m() + pair.motion_b.way_m();
