@@ -57,7 +57,7 @@ impl Recipe {
         let mut points: Vec<[f32; 3]> = Vec::new();
         for index in 0..4 + (count % 28) as usize {
             let point = [0, 1, 2].map(|axis: usize| match style % 8 {
-                0 => draw.any(),
+                0 => any_of_a_piece(draw),
                 1 | 2 => draw.step() * stretch[axis] + offset[axis],
                 _ => draw.unit() * stretch[axis] + offset[axis],
             });
@@ -82,6 +82,17 @@ impl Recipe {
             2 => builder.cuboid(point(0).abs()),
             _ => builder.build(&self.points),
         }
+    }
+}
+
+/// Any number, those from 100 to 1e4 as hundredths: larger pieces are refused, and ones in between are
+/// no scale that answers are promised for.
+fn any_of_a_piece(draw: &mut impl Draw) -> f32 {
+    let any = draw.any();
+    if (100.0..1e4).contains(&any.abs()) {
+        any / 100.0
+    } else {
+        any
     }
 }
 
@@ -223,7 +234,8 @@ impl<'p> Pair<'p> {
         let between = pose_a.translation().as_dvec3() - pose_b.translation().as_dvec3();
         let reach = |piece: &Convex| f64::from(piece.core_reach()) + f64::from(piece.radius);
         let far = |pose: &Pose| pose.translation().as_dvec3().length();
-        let relative_m = 1e-6 * (reach(&a) + reach(&b) + between.length());
+        // Denormal lengths have no square: a femtometre on top.
+        let relative_m = 1e-15 + 1e-6 * (reach(&a) + reach(&b) + between.length());
         let cores_m = f64::from(found.gap_m) + f64::from(a.radius) + f64::from(b.radius);
         let apart_m = cores_m.max(0.0);
         let sizes = f64::from(a.size()) + f64::from(b.size());
