@@ -3,11 +3,12 @@
 #[path = "common/shapes.rs"]
 mod shapes;
 
-use glam::{Quat, Vec3};
+use glam::{DQuat, Quat, Vec3};
 use palpable::geometry::convex::Convex;
 use palpable::geometry::distance::distance;
 use palpable::geometry::manifold::{Contact, CoreGap, manifold};
 use palpable::geometry::penetration::core_penetration;
+use palpable::geometry::separation::core_gap;
 use palpable::math::Pose;
 use shapes::{Hull, Random, blob, cuboid, in_b, overlap};
 
@@ -272,4 +273,238 @@ fn radii_move_the_point_to_the_middle_of_the_surfaces() {
             .iter()
             .all(|c| (c.point.y - 1.075).abs() < 1e-6 && (c.gap - 0.05).abs() < 1e-6)
     );
+}
+
+/// The contacts as the stages ask for them: depth where the cores overlap, distance where they do not.
+fn touching(a: &Hull, b: &Hull, pose: &Pose, margin: f32) -> Vec<Contact> {
+    let (a, b) = (a.view(), b.view());
+    let core = core_gap(&a, &b, pose, pose.translation());
+    manifold(&a, &b, pose, &core, margin).to_vec()
+}
+
+/// A pose beside another: moved and turned by up to so many metres and radians.
+fn jittered(random: &mut Random, pose: &Pose, most: f64) -> Pose {
+    let turn = random.unit() * random.between(0.0, most);
+    let turn = DQuat::from_scaled_axis(turn) * pose.quat().as_dquat();
+    let at = pose.translation().as_dvec3() + random.unit() * random.between(0.0, most);
+    Pose::new(turn.normalize().as_quat(), at.as_vec3())
+}
+
+/// The farthest that any contact of `now` is from the nearest of `before`.
+fn moved(before: &[Contact], now: &[Contact]) -> f32 {
+    let away = |c: &Contact| {
+        let to = |other: &Contact| (other.point - c.point).length();
+        before.iter().map(to).fold(f32::MAX, f32::min)
+    };
+    now.iter().map(away).fold(0.0, f32::max)
+}
+
+const JITTERS: [f64; 2] = [1e-6, 1e-5];
+
+/// Half of what the jittered box measures, in metres.
+const HALF: f32 = 0.1;
+
+/// How often contacts come, go or leap while the pose is jittered a thousand times about each of three
+/// heights: just apart, touching, just overlapping.
+///
+/// Two poses differ by at most twice the jitter j, so a corner moves by 2 j (1 + 0.1 sqrt 3). Where it is
+/// cut off by an edge that crosses its own at an angle, the cut moves by that over the sine. The
+/// smallest here is cos 0.3: 2.46 j in all, and the rounding of a metre on top.
+fn leaps(b: &Hull, pose: &Pose) -> usize {
+    let (a, mut random, mut count) = (cuboid(Vec3::splat(HALF)), Random(51), 0);
+    for gap in [6e-5, 0.0, -6e-5] {
+        for jitter in JITTERS {
+            let bound = 2.5 * jitter as f32 + 5e-7;
+            let mut next = || {
+                let pose = jittered(&mut random, &pose.moved(Vec3::Y * gap), jitter);
+                touching(&a, b, &pose, 1e-3)
+            };
+            let mut before = next();
+            for _ in 0..1000 {
+                let now = next();
+                let far = moved(&before, &now).max(moved(&now, &before));
+                count += usize::from(now.len() != before.len() || far > bound);
+                before = now;
+            }
+        }
+    }
+    count
+}
+
+fn resting(x: f32, z: f32, turn: f32) -> Pose {
+    Pose::new(Quat::from_rotation_y(turn), Vec3::new(x, 2.0 * HALF, z))
+}
+
+#[test]
+fn a_trembling_box_on_a_slab_keeps_its_contacts() {
+    let slab = cuboid(Vec3::new(1.0, HALF, 1.0));
+    for turn in [0.0, 0.3] {
+        for x in [0.0, 0.95] {
+            assert_eq!(leaps(&slab, &resting(x, 0.2, turn)), 0, "{x} {turn}");
+        }
+    }
+    let cube = cuboid(Vec3::splat(HALF));
+    assert_eq!(leaps(&cube, &resting(0.05, 0.03, 0.0)), 0);
+}
+
+/// A finding: sides that run along each other cross anywhere, and by rounding such a crossing can be the
+/// deepest corner of all. It is kept, and one of the four true corners is not.
+#[test]
+#[should_panic(expected = "leaps")]
+fn a_trembling_box_on_an_equal_one_keeps_its_contacts() {
+    let count = leaps(&cuboid(Vec3::splat(HALF)), &resting(0.0, 0.0, 0.0));
+    assert_eq!(count, 0, "leaps");
+}
+
+/// A finding: four of eight corners are chosen from the deepest on, and which is the deepest is up to
+/// the jitter.
+#[test]
+#[should_panic(expected = "leaps")]
+fn a_trembling_box_turned_on_an_equal_one_keeps_its_contacts() {
+    let count = leaps(&cuboid(Vec3::splat(HALF)), &resting(0.0, 0.0, 0.3));
+    assert_eq!(count, 0, "leaps");
+}
+
+/// Whether a contact of two boxes lies over B's top and under A's bottom, up to rounding. Midway along
+/// the normal of one, it is beside the other's face by at most its gap times the sine of their tilt.
+fn inside_both(contact: &Contact, a: Vec3, b: Vec3, pose: &Pose, tilt: f32) -> bool {
+    let slack = 2e-6 + tilt * contact.gap.abs();
+    let within = |p: Vec3, half: Vec3| {
+        let over = p.abs() - half;
+        over.x <= slack && over.z <= slack
+    };
+    let in_a = pose.quat().conjugate() * (contact.point - pose.translation());
+    within(contact.point, b) && within(in_a, a)
+}
+
+/// A box turns slowly through a full turn on another, lying flat or tilted. No point of it is farther
+/// than `reach` from the axis, so its true gap changes by at most that times the angle.
+#[test]
+fn slow_turns_are_continuous() {
+    let (a, steps) = (Vec3::new(0.1, 0.05, 0.06), 4000);
+    let (hull, reach) = (cuboid(a), a.length());
+    let angle = std::f32::consts::TAU / steps as f32;
+    let bases = [[0.5, 0.1, 0.5], [0.08; 3], [0.1, 0.1, 0.02]].map(Vec3::from_array);
+    for (b, tilt, gap) in bases
+        .iter()
+        .flat_map(|&b| [0.0, 1e-3, 0.01, 0.05].map(|tilt| (b, tilt)))
+        .flat_map(|(b, tilt)| [1e-4, -1e-3].map(|gap| (b, tilt, gap)))
+    {
+        let base = cuboid(b);
+        let mut before: Option<f32> = None;
+        for step in 0..=steps {
+            let turn = Quat::from_rotation_y(angle * step as f32) * Quat::from_rotation_z(tilt);
+            let at = Vec3::new(0.01, a.y + b.y + gap, -0.02);
+            let pose = Pose::new(turn.normalize(), at);
+            let found = touching(&hull, &base, &pose, 6e-3);
+            assert!((1..=4).contains(&found.len()));
+            let inside = |c: &Contact| inside_both(c, a, b, &pose, tilt);
+            assert!(found.iter().all(inside), "{b} {tilt} {found:?}");
+            let now = found[0].gap;
+            let change = before.map_or(0.0, |gap| (gap - now).abs());
+            assert!(change <= reach * angle + 1e-7, "{b} {tilt} {change}");
+            assert!(
+                tilt != 0.0 || (now - gap).abs() <= 1e-7,
+                "{now} is not {gap}"
+            );
+            before = Some(now);
+        }
+    }
+}
+
+#[test]
+fn swapping_negates_normals_and_keeps_points_and_gaps() {
+    let slab = cuboid(Vec3::new(0.5, 0.1, 0.5));
+    let capsule = Hull::new(&[Vec3::X * -0.1, Vec3::X * 0.15], 0.1);
+    let mut random = Random(52);
+    for round in 0..300 {
+        let (upper, count) = match round % 2 {
+            0 => (cuboid(Vec3::new(0.12, 0.1, 0.07)), 4),
+            _ => (Hull::new(&capsule.points, 0.1), 2),
+        };
+        let turn = Quat::from_rotation_y(random.between(0.0, 6.3) as f32);
+        let [x, z] = [0; 2].map(|_| random.between(-0.2, 0.2) as f32);
+        let gap = [1e-4, -1e-4][round / 2 % 2];
+        let pose = Pose::new(turn, Vec3::new(x, 0.2 + gap, z));
+        let there = touching(&upper, &slab, &pose, 1e-3);
+        let back = touching(&slab, &upper, &Pose::IDENTITY.seen_from(&pose), 1e-3);
+        assert_eq!((there.len(), back.len()), (count, count));
+        for c in &back {
+            let point = pose.point(c.point);
+            let twin = there.iter().find(|t| (t.point - point).length() <= 1e-6);
+            let twin = twin.unwrap_or_else(|| panic!("{point} not in {there:?}"));
+            assert!((pose.quat() * c.normal + twin.normal).length() <= 1e-6);
+            assert!((c.gap - twin.gap).abs() <= 2e-7);
+        }
+    }
+}
+
+/// A capsule above the origin of a box's face or edge, along x, longer than the box or shorter.
+fn capsule_along(up: Vec3, half_length: f32, gap: f32) -> Vec<Contact> {
+    let (half, radius) = (0.2, 0.05);
+    let capsule = Hull::new(&[Vec3::X * -half_length, Vec3::X * half_length], radius);
+    let surface = half * Vec3::new(0.0, up.y.signum(), if up.z > 0.0 { 1.0 } else { 0.0 });
+    let at = surface + up * (radius + gap) + Vec3::X * 0.02;
+    let pose = Pose::at(at.x, at.y, at.z);
+    let found = touching(&capsule, &cuboid(Vec3::splat(half)), &pose, 2e-3);
+    for contact in &found {
+        assert!((contact.gap - gap).abs() <= 2e-7 && (contact.normal - up).length() <= 1e-3);
+        let beside = contact.point - (surface + up * (0.5 * gap));
+        assert!(beside.reject_from(Vec3::X).length() <= 2e-6, "{found:?}");
+    }
+    found
+}
+
+fn ends_are_the_capsules(up: Vec3) {
+    for (half_length, left, right) in [(0.1, -0.08, 0.12), (0.3, -0.2, 0.2)] {
+        for gap in [1e-4, -1e-3] {
+            let mut ends: Vec<f32> = capsule_along(up, half_length, gap)
+                .iter()
+                .map(|c| c.point.x)
+                .collect();
+            ends.sort_by(f32::total_cmp);
+            let at_ends = ends.len() == 2
+                && (ends[0] - left).abs() <= 2e-6
+                && (ends[1] - right).abs() <= 2e-6;
+            assert!(at_ends, "not at {left} and {right} but at {ends:?}");
+        }
+    }
+}
+
+#[test]
+fn a_capsule_along_a_face_touches_at_its_ends() {
+    ends_are_the_capsules(Vec3::Y);
+}
+
+/// A finding: of two edges along each other only capsules' are told, so this one balances on one point.
+#[test]
+#[should_panic(expected = "not at")]
+fn a_capsule_along_an_edge_touches_at_its_ends() {
+    let diagonal = std::f32::consts::FRAC_1_SQRT_2;
+    ends_are_the_capsules(Vec3::new(0.0, diagonal, diagonal));
+}
+
+/// Every number of a contact, as bits.
+fn bits(contact: &Contact) -> [u32; 7] {
+    let ([x, y, z], [u, v, w]) = (contact.point.to_array(), contact.normal.to_array());
+    [x, y, z, u, v, w, contact.gap].map(f32::to_bits)
+}
+
+#[test]
+fn equal_input_gives_equal_bits() {
+    let run = || -> Vec<[u32; 7]> {
+        let mut random = Random(53);
+        (0..200)
+            .flat_map(|_| {
+                let a = blob(&mut random, 14, Vec3::new(0.2, 0.1, 0.15));
+                let b = cuboid(Vec3::new(0.2, 0.1, 0.3));
+                let at = (random.unit() * random.between(0.1, 0.3)).as_vec3();
+                touching(&a, &b, &Pose::new(random.turn(), at), 0.05)
+            })
+            .map(|contact| bits(&contact))
+            .collect()
+    };
+    let first = run();
+    assert!(first.len() > 100);
+    assert_eq!(first, run());
 }

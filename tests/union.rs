@@ -3,7 +3,7 @@
 #[path = "common/shapes.rs"]
 mod shapes;
 
-use glam::Vec3;
+use glam::{DVec3, Quat, Vec3};
 use palpable::geometry::penetration::core_penetration;
 use palpable::geometry::union::{
     NODES_USUAL, Translation, UnionPair, UnionScratch, least_translation, weighted_mean,
@@ -167,6 +167,60 @@ fn rounded_pieces_leave_by_their_surfaces() {
         &[slab(Vec3::ONE, Vec3::new(0.0, -0.75, 0.0))],
     );
     assert!((found.offset - Vec3::Y * 0.05).length() < 1e-5, "{found:?}");
+}
+
+/// A groove along z: two walls whose surfaces pass through the origin, tilted from the horizontal by
+/// `left` and `right` (radians), each a slab far larger than what lies in it. Their normals follow.
+fn groove(left: f32, right: f32) -> ([Placed; 2], [DVec3; 2]) {
+    let wall = |angle: f32| {
+        let turn = Quat::from_rotation_z(angle);
+        let normal = turn.as_dquat().normalize() * DVec3::Y;
+        let half = Vec3::new(5.0, 1.0, 5.0);
+        ((cuboid(half), Pose::new(turn, turn * -Vec3::Y)), normal)
+    };
+    let ((first, n), (second, m)) = (wall(-left), wall(right));
+    ([first, second], [n, m])
+}
+
+/// How deep a box that is not turned lies below a plane through the origin.
+fn below(half: Vec3, at: Vec3, normal: DVec3) -> f64 {
+    normal.abs().dot(half.as_dvec3()) - normal.dot(at.as_dvec3())
+}
+
+/// Two planes that are neither square to each other nor evenly deep: the way out ends on the line where
+/// both are left, n . t = h and m . t = k, at (h - k c) / (1 - c^2) n + (k - h c) / (1 - c^2) m for
+/// c = n . m. No ray of the sweep points there.
+#[test]
+fn a_groove_is_left_by_the_line_of_its_walls() {
+    let half = Vec3::new(0.1, 0.08, 0.3);
+    let mut on_both = 0;
+    for (left, right) in [(0.6, 0.9), (0.9, 0.5), (0.3, 0.35), (1.2, 1.0)] {
+        let (walls, [n, m]) = groove(left, right);
+        for x in [-0.004, 0.003, 0.008] {
+            // As high as where the shallower wall is only just touched, then 10 mm lower.
+            let touching = |normal: DVec3| below(half, Vec3::X * x, normal) / normal.y;
+            let y = touching(n).min(touching(m)) as f32 - 0.01;
+            let at = Vec3::new(x, y, 0.0);
+            let (h, k, c) = (below(half, at, n), below(half, at, m), n.dot(m));
+            let (of_n, of_m) = ((h - k * c) / (1.0 - c * c), (k - h * c) / (1.0 - c * c));
+            let expected = if of_n < 0.0 {
+                m * k
+            } else if of_m < 0.0 {
+                n * h
+            } else {
+                n * of_n + m * of_m
+            };
+            let found = solve(&all_pairs(&[slab(half, at)], &walls), NODES_USUAL);
+            assert!(found.verified && found.optimal, "{found:?}");
+            // A millionth of the box's size counts as parted, on two planes at an angle, and rounding.
+            let error = (found.offset.as_dvec3() - expected).length();
+            assert!(error <= 3e-6, "{found:?} is not {expected}");
+            let both = of_n > 0.0 && of_m > 0.0;
+            assert!(!both || found.offset.length() < found.sweep_m * 0.99999);
+            on_both += usize::from(both);
+        }
+    }
+    assert_eq!(on_both, 8);
 }
 
 fn random_union(random: &mut Random, count: usize, spread: f64) -> Vec<Placed> {
