@@ -15,6 +15,7 @@ pub mod penetration;
 pub mod relative;
 pub mod separation;
 pub(crate) mod simplex;
+pub mod warm;
 
 pub mod manifold;
 pub mod union;

@@ -12,6 +12,7 @@ use super::manifold::CoreGap;
 use super::penetration::boxes::Boxes;
 use super::relative::Relative;
 use super::simplex::Simplex;
+use super::warm::WarmStart;
 use crate::limits::DISTANCE_STEPS_MAX;
 use crate::math::{self, Pose};
 
@@ -93,19 +94,48 @@ pub(crate) struct Approach {
 }
 
 /// Searches from the direction `seed` on (of any length, or zero), until the planes prove the distance
-/// up to the share `accuracy`.
+/// up to the share `accuracy` of the gap between the surfaces.
 #[inline]
 pub(crate) fn approach(pair: &Difference, seed: DVec3, accuracy: f64) -> Approach {
     let normal = unit(seed).unwrap_or(DVec3::Y);
     let first = pair.lowest(normal);
-    let mut found = Approach {
+    let start = Approach {
         simplex: Simplex::new(first),
         normal,
         lower_m: normal.dot(first.at),
         inside: false,
         steps: 1,
     };
+    go_on(pair, start, accuracy)
+}
+
+/// As [`approach`], from the nearest feature of an earlier answer; `None` if there is none.
+pub(crate) fn approach_again(
+    pair: &Difference,
+    warm: &WarmStart,
+    accuracy: f64,
+) -> Option<Approach> {
+    let mut corners = warm.corners(pair).take(warm.nearest_count().min(3));
+    let mut simplex = Simplex::new(corners.next()??);
+    for corner in corners {
+        simplex.push(corner?);
+    }
+    let nearest = simplex.nearest_of_any()?;
+    simplex.keep(&nearest);
+    let start = Approach {
+        simplex,
+        normal: DVec3::Y,
+        lower_m: f64::NEG_INFINITY,
+        inside: false,
+        steps: 0,
+    };
+    Some(go_on(pair, start, accuracy))
+}
+
+#[inline]
+fn go_on(pair: &Difference, mut found: Approach, accuracy: f64) -> Approach {
     let grain_m = pair.grain_m();
+    let radii = f64::from(pair.a.radius) + f64::from(pair.b.radius);
     let mut last = f64::INFINITY;
     while found.steps < DISTANCE_STEPS_MAX {
         let Some(nearest) = found.simplex.nearest() else {
@@ -125,7 +155,7 @@ pub(crate) fn approach(pair: &Difference, seed: DVec3, accuracy: f64) -> Approac
             break;
         }
         found.take_planes(nearest.direction, corner.at);
-        let enough = length - (accuracy * length + grain_m);
+        let enough = length - (accuracy * math::max_f64(length - radii, 0.0) + grain_m);
         if found.lower_m >= enough || found.simplex.holds(&corner) {
             break;
         }
@@ -135,6 +165,15 @@ pub(crate) fn approach(pair: &Difference, seed: DVec3, accuracy: f64) -> Approac
 }
 
 impl Approach {
+    /// Leaves the nearest feature for the next answer.
+    pub(crate) fn remember(&self, warm: &mut WarmStart) {
+        warm.forget();
+        for corner in self.simplex.corners().iter().take(3) {
+            warm.remember(corner);
+        }
+        warm.mark_nearest();
+    }
+
     /// Keeps the planes along a direction of any length, of which `lowest` is on one, if they are
     /// farther apart.
     #[inline]

@@ -22,6 +22,7 @@ use glam::{DVec3, Vec3};
 
 use super::difference::{Corner, Difference};
 use super::simplex::barycentric;
+use super::warm::{WARM_CORNERS_MAX, WarmStart};
 use crate::math::sqrt_f64;
 
 /// Most corners of the polytope; pairs that need more are measured by enumeration.
@@ -83,6 +84,8 @@ pub(crate) struct Polytope {
     squared: ArrayVec<f64, FACETS_MAX>,
     /// Facets that are gone, to be used again.
     gone: ArrayVec<u8, FACETS_MAX>,
+    /// Whether the facets know what is across their edges.
+    is_linked: bool,
     grain_m: f64,
 }
 
@@ -99,11 +102,45 @@ const TETRAHEDRON: [([u8; 3], [(u8, u8); 3]); 4] = [
 /// `None` when the corners are flat, the origin is on the surface of the difference as far as f64 can
 /// tell, or the polytope would need more than [`CORNERS_MAX`] corners. Cost: one support query of
 /// each core and a pass over the facets for every corner.
-pub(crate) fn depth(pair: &Difference, corners: &[Corner]) -> Option<Depth> {
+pub(crate) fn depth(
+    pair: &Difference,
+    corners: &[Corner],
+    warm: Option<&mut WarmStart>,
+) -> Option<Depth> {
     let mut polytope = Polytope::new(pair.grain_m());
     polytope.start(corners)?;
     let found = polytope.grow(pair)?;
+    if let Some(warm) = warm {
+        polytope.remember(&found, warm);
+    }
     Some(polytope.answer(pair, &found))
+}
+
+/// As [`depth`], from the surface that an earlier answer left; `None` also when it does not enclose the
+/// origin any more.
+pub(crate) fn depth_again(pair: &Difference, warm: &mut WarmStart) -> Option<Depth> {
+    let mut polytope = Polytope::new(pair.grain_m());
+    polytope.recall(pair, warm)?;
+    let found = polytope.grow(pair)?;
+    if polytope.is_linked {
+        polytope.remember(&found, warm);
+    }
+    Some(polytope.answer(pair, &found))
+}
+
+impl Across {
+    const NOWHERE: Self = Self { facet: 0, edge: 0 };
+}
+
+impl Facet {
+    /// The two ends of an edge.
+    #[inline]
+    fn edge(&self, edge: usize) -> (u8, u8) {
+        (
+            self.vertices[edge],
+            self.vertices[if edge == 2 { 0 } else { edge + 1 }],
+        )
+    }
 }
 
 impl Polytope {
@@ -113,7 +150,74 @@ impl Polytope {
             facets: ArrayVec::new(),
             squared: ArrayVec::new(),
             gone: ArrayVec::new(),
+            is_linked: true,
             grain_m,
+        }
+    }
+
+    /// Starts with the surface that an earlier answer left.
+    fn recall(&mut self, pair: &Difference, warm: &WarmStart) -> Option<()> {
+        for corner in warm.corners(pair) {
+            self.corners.try_push(corner?).ok()?;
+        }
+        for &vertices in warm.facets() {
+            self.add(vertices, [Across::NOWHERE; 3])?;
+        }
+        self.is_linked = false;
+        (!self.facets.is_empty()).then_some(())
+    }
+
+    /// Finds what is across every edge of a recalled surface.
+    fn link(&mut self) -> Option<()> {
+        const NONE: u8 = u8::MAX;
+        let mut facet_of = [[NONE; WARM_CORNERS_MAX]; WARM_CORNERS_MAX];
+        for (place, facet) in self.facets.iter().enumerate() {
+            for edge in 0..3 {
+                let (from, to) = facet.edge(edge);
+                facet_of[usize::from(from)][usize::from(to)] = place as u8;
+            }
+        }
+        for place in 0..self.facets.len() {
+            for edge in 0..3 {
+                let (from, to) = self.facets[place].edge(edge);
+                let facet = facet_of[usize::from(to)][usize::from(from)];
+                let across = self.facets.get(usize::from(facet))?;
+                let edge_across = (0..3).find(|&edge| across.edge(edge) == (to, from))?;
+                self.facets[place].across[edge] = Across {
+                    facet,
+                    edge: edge_across as u8,
+                };
+            }
+        }
+        self.is_linked = true;
+        Some(())
+    }
+
+    /// Leaves the surface for the next answer, the corners of the final facet first.
+    fn remember(&self, found: &Final, warm: &mut WarmStart) {
+        warm.forget();
+        let mut renamed = [u8::MAX; CORNERS_MAX];
+        let mut fits = true;
+        let mut rename = |vertex: u8, warm: &mut WarmStart| {
+            let vertex = usize::from(vertex);
+            if renamed[vertex] == u8::MAX {
+                renamed[vertex] = warm.corner_count();
+                fits &= warm.remember(&self.corners[vertex]);
+            }
+            renamed[vertex]
+        };
+        for vertex in self.facets[found.facet].vertices {
+            rename(vertex, warm);
+        }
+        warm.mark_nearest();
+        for facet in self.facets.iter().filter(|facet| !facet.gone) {
+            let vertices = facet.vertices.map(|vertex| rename(vertex, warm));
+            if !warm.remember_facet(vertices) {
+                break;
+            }
+        }
+        if !fits {
+            warm.forget_facets();
         }
     }
 
@@ -218,12 +322,14 @@ impl Polytope {
 
     /// Replaces the facets that a corner sees, of which `first` is one, by a fan about the corner.
     fn expand(&mut self, first: usize, corner: Corner) -> Option<()> {
+        if !self.is_linked {
+            self.link()?;
+        }
         let apex = u8::try_from(self.corners.len()).ok()?;
         self.corners.try_push(corner).ok()?;
         let mut horizon = ArrayVec::<Across, CORNERS_MAX>::new();
         self.remove_seen(first, corner.at, &mut horizon)?;
         let mut fan = ArrayVec::<u8, CORNERS_MAX>::new();
-        let nowhere = Across { facet: 0, edge: 0 };
         let (mut begin, _) = self.ends(*horizon.last()?);
         for &beyond in &horizon {
             let (from, to) = self.ends(beyond);
@@ -232,7 +338,7 @@ impl Polytope {
                 return None;
             }
             begin = from;
-            let place = self.add([to, from, apex], [beyond, nowhere, nowhere])?;
+            let place = self.add([to, from, apex], [beyond, Across::NOWHERE, Across::NOWHERE])?;
             let facet = place as u8;
             self.facets[usize::from(beyond.facet)].across[usize::from(beyond.edge)] =
                 Across { facet, edge: 0 };
@@ -256,9 +362,7 @@ impl Polytope {
     /// The two ends of an edge.
     #[inline]
     fn ends(&self, edge: Across) -> (u8, u8) {
-        let vertices = &self.facets[usize::from(edge.facet)].vertices;
-        let at = usize::from(edge.edge);
-        (vertices[at], vertices[if at == 2 { 0 } else { at + 1 }])
+        self.facets[usize::from(edge.facet)].edge(edge.edge.into())
     }
 
     /// Takes out the facets that `eye` is beyond, from `first` on, and collects the edges around them

@@ -5,12 +5,13 @@ use glam::Vec3;
 
 use super::convex::Convex;
 use super::difference::Difference;
-use super::distance::approach;
-use super::expansion;
+use super::distance::{Approach, approach, approach_again};
+use super::expansion::{self, Depth};
 use super::manifold::CoreGap;
 use super::penetration::boxes::Boxes;
 use super::penetration::core_penetration_in;
 use super::relative::Relative;
+use super::warm::WarmStart;
 use crate::math::Pose;
 
 /// How two pieces lie to each other, in the world.
@@ -47,9 +48,45 @@ pub fn separation_within(
     seed: Vec3,
     accuracy: f32,
 ) -> Separation {
+    let start = Start::Seed(pose_b.quat().conjugate() * seed);
+    in_world(a, b, pose_a, pose_b, start, accuracy)
+}
+
+/// As [`separation`], starting where the last question about these two pieces ended.
+///
+/// The answer is that of [`separation`]; `warm` only saves time, and holds this answer's end
+/// afterwards. Where the nearest points are not unique (parallel faces or edges), which of them are
+/// returned may depend on it. Cost when little has moved: one pass over what is remembered and one or
+/// two support queries of each core; at most that of [`separation`] more.
+#[must_use]
+pub fn separation_again(
+    a: &Convex,
+    b: &Convex,
+    pose_a: &Pose,
+    pose_b: &Pose,
+    warm: &mut WarmStart,
+) -> Separation {
+    in_world(a, b, pose_a, pose_b, Start::Again(warm), 0.0)
+}
+
+/// What a search starts from.
+enum Start<'w> {
+    /// A direction from B toward A in B's frame, or zero.
+    Seed(Vec3),
+    Again(&'w mut WarmStart),
+}
+
+fn in_world(
+    a: &Convex,
+    b: &Convex,
+    pose_a: &Pose,
+    pose_b: &Pose,
+    start: Start,
+    accuracy: f32,
+) -> Separation {
     let to_world = pose_b.quat();
     let a_in_b = Relative::between(pose_a, pose_b);
-    let core = gap_of_cores(a, b, &a_in_b, to_world.conjugate() * seed, accuracy);
+    let core = gap_of_cores(a, b, &a_in_b, start, accuracy);
     Separation {
         normal: to_world * core.normal,
         gap_m: core.gap - a.radius - b.radius,
@@ -62,34 +99,62 @@ pub fn separation_within(
 /// [`super::distance::distance`].
 #[must_use]
 pub fn core_gap(a: &Convex, b: &Convex, a_in_b: &Pose, seed: Vec3) -> CoreGap {
-    gap_of_cores(a, b, &Relative::from(a_in_b), seed, 0.0)
+    gap_of_cores(a, b, &Relative::from(a_in_b), Start::Seed(seed), 0.0)
 }
 
-fn gap_of_cores(a: &Convex, b: &Convex, a_in_b: &Relative, seed: Vec3, accuracy: f32) -> CoreGap {
+fn gap_of_cores(a: &Convex, b: &Convex, a_in_b: &Relative, start: Start, accuracy: f32) -> CoreGap {
     if let Some(boxes) = Boxes::of(a, b, a_in_b)
         && let Some(found) = boxes.core_gap()
     {
         return found;
     }
     let pair = Difference { a, b, a_in_b };
-    let seed = if seed == Vec3::ZERO {
-        pair.guess()
-    } else {
-        seed.as_dvec3()
+    let accuracy = f64::from(accuracy);
+    let found = match start {
+        Start::Seed(seed) => {
+            let seed = if seed == Vec3::ZERO {
+                pair.guess()
+            } else {
+                seed.as_dvec3()
+            };
+            approached(&pair, &approach(&pair, seed, accuracy), None)
+        }
+        Start::Again(warm) => again(&pair, warm, accuracy),
     };
-    let found = approach(&pair, seed, f64::from(accuracy));
-    if found.lower_m > 0.0 {
-        return (&found.distance(&pair)).into();
+    found.unwrap_or_else(|| (&core_penetration_in(a, b, a_in_b, f32::NEG_INFINITY)).into())
+}
+
+fn again(pair: &Difference, warm: &mut WarmStart, accuracy: f64) -> Option<CoreGap> {
+    if let Some(depth) = expansion::depth_again(pair, warm) {
+        return Some((&depth).into());
     }
-    if found.inside
-        && let Some(depth) = expansion::depth(&pair, found.simplex.corners())
-    {
-        return CoreGap {
-            normal: depth.normal.as_vec3(),
-            gap: -depth.depth_m as f32,
-            point_a: depth.point_a,
-            point_b: depth.point_b,
-        };
+    let found = approach_again(pair, warm, accuracy)
+        .unwrap_or_else(|| approach(pair, pair.guess(), accuracy));
+    found.remember(warm);
+    approached(pair, &found, Some(warm))
+}
+
+/// The gap at the end of a search; `None` where enumeration has to decide.
+#[inline]
+fn approached(
+    pair: &Difference,
+    found: &Approach,
+    warm: Option<&mut WarmStart>,
+) -> Option<CoreGap> {
+    if found.inside {
+        let depth = expansion::depth(pair, found.simplex.corners(), warm)?;
+        return Some((&depth).into());
     }
-    (&core_penetration_in(a, b, a_in_b, f32::NEG_INFINITY)).into()
+    (found.lower_m > 0.0).then(|| (&found.distance(pair)).into())
+}
+
+impl From<&Depth> for CoreGap {
+    fn from(found: &Depth) -> Self {
+        Self {
+            normal: found.normal.as_vec3(),
+            gap: -found.depth_m as f32,
+            point_a: found.point_a,
+            point_b: found.point_b,
+        }
+    }
 }

@@ -76,6 +76,25 @@ impl Simplex {
         }
     }
 
+    /// As [`Simplex::nearest`], for up to three corners of which the last need not be the newest.
+    pub(crate) fn nearest_of_any(&self) -> Option<Nearest> {
+        if self.count < 3 {
+            return self.nearest();
+        }
+        let [p, q, r] = [0, 1, 2].map(|i| self.corners[i].at);
+        if barycentric(p, q, r).iter().all(|&weight| weight >= 0.0) {
+            return self.nearest();
+        }
+        let mut best = self.segment(0, 1);
+        for older in [0, 1] {
+            let found = self.segment(older, 2);
+            if found.squared < best.squared {
+                best = found;
+            }
+        }
+        Some(best)
+    }
+
     /// Keeps a sub-simplex only.
     #[inline]
     pub(crate) fn keep(&mut self, nearest: &Nearest) {

@@ -3,7 +3,8 @@
 use glam::{DQuat, DVec3, Vec3};
 use palpable::geometry::convex::{Convex, Edge, Face, Lane};
 use palpable::geometry::hull::{HullBuilder, HullError, HullView};
-use palpable::geometry::separation::separation;
+use palpable::geometry::separation::{Separation, separation, separation_again};
+use palpable::geometry::warm::WarmStart;
 use palpable::math::Pose;
 use serde::Serialize;
 
@@ -18,7 +19,7 @@ use crate::reference::Solid;
 pub enum Method {
     /// Palpable's `separation` without a seed, at the first poses.
     Palpable,
-    /// Palpable's `separation` at the second poses, seeded with the first normal.
+    /// Palpable's `separation_again` at the second poses, from where the first search ended.
     PalpableWarm,
     /// parry3d in f32, a fresh `query::contact` at the first poses.
     ParryF32,
@@ -148,9 +149,19 @@ impl Core {
     }
 }
 
-fn kernel(cores: &[Core; 2], poses: &[Pose; 2], seed: Vec3) -> Answer {
+fn kernel(cores: &[Core; 2], poses: &[Pose; 2]) -> Answer {
     let [a, b] = cores.each_ref().map(Core::convex);
-    let found = separation(&a, &b, &poses[0], &poses[1], seed);
+    let found = separation(&a, &b, &poses[0], &poses[1], Vec3::ZERO);
+    of_kernel(&found)
+}
+
+fn kernel_again(cores: &[Core; 2], poses: &[Pose; 2], warm: &mut WarmStart) -> Answer {
+    let [a, b] = cores.each_ref().map(Core::convex);
+    let found = separation_again(&a, &b, &poses[0], &poses[1], warm);
+    of_kernel(&found)
+}
+
+fn of_kernel(found: &Separation) -> Answer {
     Answer {
         gap_m: f64::from(found.gap_m),
         normal: found.normal.as_dvec3(),
@@ -255,8 +266,10 @@ pub struct Ready {
     double_poses: [[parry3d_f64::math::Pose; 2]; 2],
     /// Farther apart than this is not asked for, in metres.
     reach_m: f64,
-    /// Normals of the first poses: the kernel's, parry f32's, parry f64's.
-    first: [DVec3; 3],
+    /// Normals of the first poses: parry f32's, parry f64's.
+    first: [DVec3; 2],
+    /// Where the kernel's search at the first poses ended.
+    first_start: WarmStart,
     meshes: Option<[Mesh; 2]>,
     exact_poses: [[(DQuat, DVec3); 2]; 2],
     /// Where the walk at the first poses ended.
@@ -283,16 +296,18 @@ impl Ready {
             double,
             double_poses: pair.poses.map(|two| two.map(|pose| double::pose(&pose))),
             reach_m: reach_m(pair, &solids),
-            first: [DVec3::Y; 3],
+            first: [DVec3::Y; 2],
+            first_start: WarmStart::new(),
             meshes: meshes(&solids),
             exact_poses: pair.poses.map(|two| two.each_ref().map(exact)),
             first_walk: None,
         };
         ready.first_walk = ready.walk(0, None);
-        for (place, method) in [Method::Palpable, Method::ParryF32, Method::ParryF64]
-            .into_iter()
-            .enumerate()
-        {
+        if let Some(cores) = &ready.cores {
+            kernel_again(cores, &ready.poses[0], &mut ready.first_start);
+        }
+        let parry = [Method::ParryF32, Method::ParryF64];
+        for (place, method) in parry.into_iter().enumerate() {
             if let Some(answer) = ready.ask_guarded(method).flatten() {
                 ready.first[place] = answer.normal;
             }
@@ -305,12 +320,15 @@ impl Ready {
     pub fn ask(&self, method: Method) -> Option<Answer> {
         let [cold, warm] = [0, 1];
         match method {
-            Method::Palpable => Some(kernel(self.cores.as_ref()?, &self.poses[cold], Vec3::ZERO)),
-            Method::PalpableWarm => Some(kernel(
-                self.cores.as_ref()?,
-                &self.poses[warm],
-                self.first[0].as_vec3(),
-            )),
+            Method::Palpable => Some(kernel(self.cores.as_ref()?, &self.poses[cold])),
+            Method::PalpableWarm => {
+                let mut start = self.first_start;
+                Some(kernel_again(
+                    self.cores.as_ref()?,
+                    &self.poses[warm],
+                    &mut start,
+                ))
+            }
             Method::ParryF32 => single::cold(
                 self.single.as_ref()?,
                 &self.single_poses[cold],
@@ -320,7 +338,7 @@ impl Ready {
                 self.single.as_ref()?,
                 &self.single_poses[warm],
                 self.reach_m,
-                self.first[1],
+                self.first[0],
             ),
             Method::ParryF64 => double::cold(
                 self.double.as_ref()?,
@@ -331,7 +349,7 @@ impl Ready {
                 self.double.as_ref()?,
                 &self.double_poses[warm],
                 self.reach_m,
-                self.first[2],
+                self.first[1],
             ),
             Method::LocalWalk => self.walk(cold, None).map(Answer::from),
             Method::LocalWalkWarm => self.walk(warm, self.first_walk.as_ref()).map(Answer::from),
