@@ -7,6 +7,7 @@
 use core::ops::Range;
 
 use crate::geometry::motion::{Motion, Track};
+use crate::geometry::warm::WarmFeature;
 use crate::limits::PAIR_MARGIN_M;
 use crate::math::{self, Pose};
 use crate::memory::ids::is_alive;
@@ -148,6 +149,7 @@ pub(crate) fn push(
         gap_time: 0.0,
         clear_until: 0.0,
         normal: glam::Vec3::ZERO,
+        feature: WarmFeature::new(),
         point: glam::Vec3::ZERO,
         bends: 0,
         bending_gap: 0.0,

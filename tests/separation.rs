@@ -4,8 +4,9 @@
 #[path = "common/shapes.rs"]
 mod shapes;
 
-use glam::Vec3;
-use palpable::geometry::separation::{Separation, separation};
+use glam::{Quat, Vec3};
+use palpable::geometry::separation::{Separation, separation, separation_again, separation_from};
+use palpable::geometry::warm::{WarmFeature, WarmStart};
 use palpable::math::Pose;
 use shapes::{Hull, Random, blob, cuboid, overlap};
 
@@ -50,6 +51,26 @@ impl Pair {
             &self.poses[1],
             seed,
         )
+    }
+
+    fn ask_again(&self, warm: &mut WarmStart) -> Separation {
+        let [a, b] = [self.a.view(), self.b.view()];
+        separation_again(&a, &b, &self.poses[0], &self.poses[1], warm)
+    }
+
+    fn ask_from(&self, feature: &mut WarmFeature) -> Separation {
+        let [a, b] = [self.a.view(), self.b.view()];
+        separation_from(&a, &b, &self.poses[0], &self.poses[1], feature, 0.0)
+    }
+
+    /// Moves A toward where it touches, by a hundredth of its size about that, and turns it by 5 mrad.
+    fn tremble(&mut self, found: &Separation, random: &mut Random) {
+        let nearer = (found.normal * (-0.2 * found.gap_m)).as_dvec3();
+        let step = nearer + random.unit() * random.between(0.0, 0.01 * self.size());
+        let turn = Quat::from_axis_angle(random.unit().as_vec3(), 0.005);
+        let pose = &self.poses[0];
+        let rotation = (turn * pose.quat()).normalize();
+        self.poses[0] = Pose::new(rotation, pose.translation() + step.as_vec3());
     }
 
     fn size(&self) -> f64 {
@@ -103,4 +124,33 @@ fn gaps_are_those_along_the_normal_and_points_lie_that_far_apart() {
         let wanted = normal * f64::from(found.gap_m);
         assert!((between - wanted).length() < allowed + 2e-5, "{found:?}");
     }
+}
+
+fn assert_same(found: &Separation, cold: &Separation) {
+    assert_eq!(found.gap_m.to_bits(), cold.gap_m.to_bits());
+    assert_eq!(found.normal, cold.normal);
+}
+
+#[test]
+fn warm_starts_change_neither_gap_nor_normal() {
+    let mut random = Random(15);
+    let mut changes = 0;
+    // Those of the pair before are left over: they fit nothing.
+    let (mut warm, mut feature) = (WarmStart::new(), WarmFeature::new());
+    for _ in 0..150 {
+        let mut pair = Pair::random(&mut random);
+        let mut last = pair.ask(Vec3::ZERO).gap_m;
+        for _ in 0..40 {
+            let cold = pair.ask(Vec3::ZERO);
+            assert_same(&pair.ask_again(&mut warm), &cold);
+            assert_same(&pair.ask_from(&mut feature), &cold);
+            changes += u32::from(last * cold.gap_m < 0.0);
+            last = cold.gap_m;
+            pair.tremble(&cold, &mut random);
+        }
+    }
+    assert!(
+        changes > 300,
+        "{changes} changes between apart and overlapping"
+    );
 }

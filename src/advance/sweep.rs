@@ -3,7 +3,7 @@
 use super::{Position, touches};
 use crate::frame::budget::Purse;
 use crate::geometry::motion::Motion;
-use crate::geometry::separation::separation;
+use crate::geometry::separation::separation_from;
 use crate::geometry::time_of_contact::MovingPair;
 use crate::limits::{GAP_FLOOR_M, STEP_MIN_M};
 use crate::math;
@@ -49,12 +49,13 @@ pub(super) fn measure_touching(
         if !purse.take() {
             return false;
         }
-        let found = separation(
+        let found = separation_from(
             &state.pools.convex(&state.pieces.shape[a]),
             &state.pools.convex(&state.pieces.shape[b]),
             &pose,
             &state.pieces.world[b],
-            pair.normal,
+            &mut pair.feature,
+            0.0,
         );
         pair.gap = found.gap_m;
         pair.normal = found.normal;
@@ -171,8 +172,10 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
         motion_a: motion,
         motion_b: Motion::still(state.pieces.world[b]),
     };
-    let found = moving.clear_until(time, GAP_FLOOR_M, pair.normal, 0.0);
+    let mut feature = pair.feature;
+    let found = moving.clear_until(time, GAP_FLOOR_M, &mut feature, 0.0);
     let pair = &mut state.pairs.list[index];
+    pair.feature = feature;
     pair.gap = found.gap_m;
     pair.gap_time = time;
     pair.normal = found.normal;

@@ -12,7 +12,7 @@ use super::manifold::CoreGap;
 use super::penetration::boxes::Boxes;
 use super::relative::Relative;
 use super::simplex::Simplex;
-use super::warm::WarmStart;
+use super::warm::WarmFeature;
 use crate::limits::DISTANCE_STEPS_MAX;
 use crate::math::{self, Pose};
 
@@ -112,13 +112,13 @@ pub(crate) fn approach(pair: &Difference, seed: DVec3, accuracy: f64) -> Approac
 /// As [`approach`], from the nearest feature of an earlier answer; `None` if there is none.
 pub(crate) fn approach_again(
     pair: &Difference,
-    warm: &WarmStart,
+    warm: &WarmFeature,
     accuracy: f64,
 ) -> Option<Approach> {
-    let mut corners = warm.corners(pair).take(warm.nearest_count().min(3));
-    let mut simplex = Simplex::new(corners.next()??);
-    for corner in corners {
-        simplex.push(corner?);
+    let corners = warm.corners(pair)?;
+    let mut simplex = Simplex::new(corners[0]);
+    for &corner in &corners[1..] {
+        simplex.push(corner);
     }
     let nearest = simplex.nearest_of_any()?;
     simplex.keep(&nearest);
@@ -165,15 +165,6 @@ fn go_on(pair: &Difference, mut found: Approach, accuracy: f64) -> Approach {
 }
 
 impl Approach {
-    /// Leaves the nearest feature for the next answer.
-    pub(crate) fn remember(&self, warm: &mut WarmStart) {
-        warm.forget();
-        for corner in self.simplex.corners().iter().take(3) {
-            warm.remember(corner);
-        }
-        warm.mark_nearest();
-    }
-
     /// Keeps the planes along a direction of any length, of which `lowest` is on one, if they are
     /// farther apart.
     #[inline]

@@ -32,7 +32,7 @@ const CORNERS_MAX: usize = 48;
 const FACETS_MAX: usize = 2 * CORNERS_MAX - 4;
 
 /// Unit normals whose product is at least this belong to one plane.
-const SAME_PLANE: f64 = 1.0 - 1e-15;
+const SAME_PLANE: f64 = 1.0 - 1e-12;
 
 /// Of several directions with the same depth, the one that leans most toward this is the answer.
 const PREFERRED: DVec3 = DVec3::new(0.267, 0.802, 0.535);
@@ -193,32 +193,30 @@ impl Polytope {
         Some(())
     }
 
-    /// Leaves the surface for the next answer, the corners of the final facet first.
+    /// Leaves the final facet, and the surface if there is room for it, to the next answer.
     fn remember(&self, found: &Final, warm: &mut WarmStart) {
-        warm.forget();
-        let mut renamed = [u8::MAX; CORNERS_MAX];
-        let mut fits = true;
-        let mut rename = |vertex: u8, warm: &mut WarmStart| {
-            let vertex = usize::from(vertex);
-            if renamed[vertex] == u8::MAX {
-                renamed[vertex] = warm.corner_count();
-                fits &= warm.remember(&self.corners[vertex]);
-            }
-            renamed[vertex]
-        };
-        for vertex in self.facets[found.facet].vertices {
-            rename(vertex, warm);
+        let feature = self.facets[found.facet]
+            .vertices
+            .map(|vertex| self.corners[usize::from(vertex)]);
+        warm.feature.remember(&feature);
+        warm.forget_surface();
+        if self.remember_surface(warm).is_none() {
+            warm.forget_surface();
         }
-        warm.mark_nearest();
+    }
+
+    fn remember_surface(&self, warm: &mut WarmStart) -> Option<()> {
+        const NONE: u8 = u8::MAX;
+        let mut renamed = [NONE; CORNERS_MAX];
         for facet in self.facets.iter().filter(|facet| !facet.gone) {
-            let vertices = facet.vertices.map(|vertex| rename(vertex, warm));
-            if !warm.remember_facet(vertices) {
-                break;
+            for vertex in facet.vertices.map(usize::from) {
+                if renamed[vertex] == NONE {
+                    renamed[vertex] = warm.remember_corner(&self.corners[vertex])?;
+                }
             }
+            warm.remember_facet(facet.vertices.map(|vertex| renamed[usize::from(vertex)]))?;
         }
-        if !fits {
-            warm.forget_facets();
-        }
+        Some(())
     }
 
     /// Starts with a tetrahedron; `None` if the origin is not inside it.

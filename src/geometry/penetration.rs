@@ -42,6 +42,9 @@ use crate::math::{LANE_WIDTH, Pose, direction, length, max, min, perpendicular};
 /// Two edges are parallel when the sine of their angle is at most this.
 pub const PARALLEL_SINE: f32 = 1e-6;
 
+/// Segments meet when they are closer than this part of their sizes and distance.
+const MEETING_PART: f32 = 2e-7;
+
 /// How much too large pruning takes its bounds, as a part of the pieces' sizes.
 ///
 /// Rounding moves heights by 1e-7 of the size s, and where the normals of an edge differ by an
@@ -769,7 +772,11 @@ fn closest_of_segments(a: &Convex, b: &Convex, a_in_b: &Relative) -> CorePenetra
     let start_a = a_in_b.point(start_a).as_vec3();
     let (point_a, point_b) = closest_points(start_a, along_a, start_b, along_b);
     let between = point_a - point_b;
-    let normal = direction(between).unwrap_or_else(|| normal_of_crossing(along_a, along_b));
+    // Between segments that meet there is only a rounding error, which has no direction.
+    let noise = MEETING_PART * (a.size() + b.size() + length(a_in_b.shift.as_vec3()));
+    let normal = direction(between)
+        .filter(|_| length(between) > noise)
+        .unwrap_or_else(|| normal_of_crossing(along_a, along_b));
     CorePenetration {
         normal,
         depth: -length(between),

@@ -11,7 +11,7 @@ use super::manifold::CoreGap;
 use super::penetration::boxes::Boxes;
 use super::penetration::core_penetration_in;
 use super::relative::Relative;
-use super::warm::WarmStart;
+use super::warm::{WarmFeature, WarmStart};
 use crate::math::Pose;
 
 /// How two pieces lie to each other, in the world.
@@ -66,14 +66,31 @@ pub fn separation_again(
     pose_b: &Pose,
     warm: &mut WarmStart,
 ) -> Separation {
-    in_world(a, b, pose_a, pose_b, Start::Again(warm), 0.0)
+    in_world(a, b, pose_a, pose_b, Start::Surface(warm), 0.0)
+}
+
+/// As [`separation_within`], starting at the nearest feature of the last answer, and leaving the new
+/// one.
+#[must_use]
+pub fn separation_from(
+    a: &Convex,
+    b: &Convex,
+    pose_a: &Pose,
+    pose_b: &Pose,
+    feature: &mut WarmFeature,
+    accuracy: f32,
+) -> Separation {
+    in_world(a, b, pose_a, pose_b, Start::Feature(feature), accuracy)
 }
 
 /// What a search starts from.
 enum Start<'w> {
     /// A direction from B toward A in B's frame, or zero.
     Seed(Vec3),
-    Again(&'w mut WarmStart),
+    /// The nearest feature of the last answer.
+    Feature(&'w mut WarmFeature),
+    /// That and the surface around the origin.
+    Surface(&'w mut WarmStart),
 }
 
 fn in_world(
@@ -95,11 +112,18 @@ fn in_world(
     }
 }
 
-/// The gap of two cores in the frame of B, `a_in_b` being A's pose there; `seed` as in
-/// [`super::distance::distance`].
+/// The gap of two cores in the frame of B, `a_in_b` being A's pose there; `seed` is a direction from B
+/// toward A to start with, or zero.
 #[must_use]
 pub fn core_gap(a: &Convex, b: &Convex, a_in_b: &Pose, seed: Vec3) -> CoreGap {
     gap_of_cores(a, b, &Relative::from(a_in_b), Start::Seed(seed), 0.0)
+}
+
+/// As [`core_gap`], starting at the nearest feature of the last answer, and leaving the new one.
+#[must_use]
+pub fn core_gap_from(a: &Convex, b: &Convex, a_in_b: &Pose, feature: &mut WarmFeature) -> CoreGap {
+    let a_in_b = Relative::from(a_in_b);
+    gap_of_cores(a, b, &a_in_b, Start::Feature(feature), 0.0)
 }
 
 fn gap_of_cores(a: &Convex, b: &Convex, a_in_b: &Relative, start: Start, accuracy: f32) -> CoreGap {
@@ -119,19 +143,30 @@ fn gap_of_cores(a: &Convex, b: &Convex, a_in_b: &Relative, start: Start, accurac
             };
             approached(&pair, &approach(&pair, seed, accuracy), None)
         }
-        Start::Again(warm) => again(&pair, warm, accuracy),
+        Start::Feature(feature) => {
+            let found = approach_from(&pair, feature, accuracy);
+            approached(&pair, &found, None)
+        }
+        Start::Surface(warm) => again(&pair, warm),
     };
     found.unwrap_or_else(|| (&core_penetration_in(a, b, a_in_b, f32::NEG_INFINITY)).into())
 }
 
-fn again(pair: &Difference, warm: &mut WarmStart, accuracy: f64) -> Option<CoreGap> {
+fn again(pair: &Difference, warm: &mut WarmStart) -> Option<CoreGap> {
     if let Some(depth) = expansion::depth_again(pair, warm) {
         return Some((&depth).into());
     }
-    let found = approach_again(pair, warm, accuracy)
-        .unwrap_or_else(|| approach(pair, pair.guess(), accuracy));
-    found.remember(warm);
+    warm.forget_surface();
+    let found = approach_from(pair, &mut warm.feature, 0.0);
     approached(pair, &found, Some(warm))
+}
+
+/// A search from the last nearest feature, if there is one, that leaves the new one.
+fn approach_from(pair: &Difference, feature: &mut WarmFeature, accuracy: f64) -> Approach {
+    let found = approach_again(pair, feature, accuracy)
+        .unwrap_or_else(|| approach(pair, pair.guess(), accuracy));
+    feature.remember(found.simplex.corners());
+    found
 }
 
 /// The gap at the end of a search; `None` where enumeration has to decide.

@@ -16,7 +16,8 @@ use glam::Vec3;
 
 use super::convex::Convex;
 use super::motion::Motion;
-use super::separation::separation_within;
+use super::separation::separation_from;
+use super::warm::WarmFeature;
 use crate::math::{self, Pose};
 
 /// What is known of a pair at one time.
@@ -58,14 +59,20 @@ impl MovingPair<'_> {
     /// How long the pair is certainly clear, judged from `time` on.
     ///
     /// `floor_m` is the gap that must not be undercut; a pair that is closer already, or
-    /// overlaps, must not get any closer or deeper. `seed` is a direction to start the search with (zero
-    /// when none is known), `accuracy` the share of the gap that the certificate may give away. Cost: one distance query and two support queries; where the
-    /// cores overlap, one penetration query more.
+    /// overlaps, must not get any closer or deeper. `feature` is where the last search ended, `accuracy`
+    /// the share of the gap that the certificate may give away. Cost: one distance query and two support
+    /// queries; where the cores overlap, one penetration query more.
     #[must_use]
-    pub fn clear_until(&self, time: f32, floor_m: f32, seed: Vec3, accuracy: f32) -> Clearance {
+    pub fn clear_until(
+        &self,
+        time: f32,
+        floor_m: f32,
+        feature: &mut WarmFeature,
+        accuracy: f32,
+    ) -> Clearance {
         let pose_a = self.motion_a.at(time);
         let pose_b = self.motion_b.at(time);
-        let found = separation_within(&self.a, &self.b, &pose_a, &pose_b, seed, accuracy);
+        let found = separation_from(&self.a, &self.b, &pose_a, &pose_b, feature, accuracy);
         let floor_m = math::min(floor_m, found.gap_m);
         Clearance {
             normal: found.normal,

@@ -8,7 +8,7 @@ use super::movers::{is_stopped, motion};
 use crate::frame::budget::Purse;
 use crate::geometry::manifold::{Contact, manifold};
 use crate::geometry::motion::Track;
-use crate::geometry::separation::core_gap;
+use crate::geometry::separation::core_gap_from;
 use crate::geometry::time_of_contact::MovingPair;
 use crate::limits::{
     GAP_FLOOR_M, LOOSE_ACCURACY, LOOSE_MARGIN_M, LOOSE_STEP_MIN_M, MANIFOLD_CONTACTS_MAX,
@@ -124,15 +124,11 @@ pub(super) fn measure(state: &mut State, index: usize, stretch: &Stretch) -> Opt
     let pose_b = motion(state, b, stretch).at(0.0);
     let (shape_a, shape_b) = (&state.pieces.shape[a], &state.pieces.shape[b]);
     let apart = Bounds::of(shape_a, &pose_a).gap(&Bounds::of(shape_b, &pose_b));
+    let mut feature = pair.feature;
     let found = (apart <= LOOSE_MARGIN_M).then(|| {
         let (a, b) = (state.pools.convex(shape_a), state.pools.convex(shape_b));
         let a_in_b = pose_a.seen_from(&pose_b);
-        let seed = if pair.normal == Vec3::ZERO {
-            a_in_b.point(a.centre) - b.centre
-        } else {
-            pose_b.quat().conjugate() * pair.normal
-        };
-        let core = core_gap(&a, &b, &a_in_b, seed);
+        let core = core_gap_from(&a, &b, &a_in_b, &mut feature);
         Measured {
             contacts: manifold(&a, &b, &a_in_b, &core, LOOSE_MARGIN_M),
             gap: core.gap - a.radius - b.radius,
@@ -141,6 +137,7 @@ pub(super) fn measure(state: &mut State, index: usize, stretch: &Stretch) -> Opt
         }
     });
     let pair = &mut state.pairs.list[index];
+    pair.feature = feature;
     pair.gap = found.as_ref().map_or(apart, |measured| measured.gap);
     pair.normal = found
         .as_ref()
@@ -209,9 +206,11 @@ fn start(state: &mut State, pairs: usize, stretch: &Stretch) {
 fn certify(state: &mut State, index: usize, stretch: &Stretch, time: f32) -> bool {
     let pair = state.pairs.list[index];
     let moving = moving_pair(state, &pair, stretch);
-    let found = moving.clear_until(time, GAP_FLOOR_M, pair.normal, LOOSE_ACCURACY);
+    let mut feature = pair.feature;
+    let found = moving.clear_until(time, GAP_FLOOR_M, &mut feature, LOOSE_ACCURACY);
     let way = moving.motion_a.way_m() + moving.motion_b.way_m();
     let pair = &mut state.pairs.list[index];
+    pair.feature = feature;
     pair.normal = found.normal;
     pair.clear_until = math::max(time, found.clear_until);
     pair.clear_until < 1.0 && (pair.clear_until - time) * way < LOOSE_STEP_MIN_M

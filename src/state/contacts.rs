@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
+use crate::geometry::warm::WarmFeature;
 use crate::memory::columns::columns;
 use crate::memory::ids::PieceId;
 use crate::state::State;
@@ -24,6 +25,8 @@ pub(crate) struct Pair {
     pub clear_until: f32,
     /// Normal of the last plane found between the two, from B into A, in the world; zero if none.
     pub normal: Vec3,
+    /// The feature that `normal` came from.
+    pub feature: WarmFeature,
     /// Midway between the surfaces where `gap` was measured, in the world.
     pub point: Vec3,
     /// One when the pair bent the current leg.

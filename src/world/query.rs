@@ -355,8 +355,7 @@ impl<'s, 'w> Question<'s, 'w> {
         );
         let local = &pieces.local[b];
         let a_in_piece = self.pose_a(a, Vec3::ZERO).seen_from(local);
-        let seed = local.quat().conjugate() * deepest.separation.normal;
-        let core = core_gap(&shape_a, &shape_b, &a_in_piece, seed);
+        let core = core_gap(&shape_a, &shape_b, &a_in_piece, Vec3::ZERO);
         let to_world = self.pose_b.then(local);
         for found in manifold(&shape_a, &shape_b, &a_in_piece, &core, 0.0) {
             answer.contacts.push(ContactPoint {

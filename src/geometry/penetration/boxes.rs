@@ -84,7 +84,7 @@ impl Boxes {
         let least = self.least(f64::NEG_INFINITY);
         let noise = NOISE_PART * (self.a.half.element_sum() + self.b.half.element_sum());
         let (on_a, on_b) = if least.depth > 0.0 {
-            self.points(&least)
+            self.deepest_points(&least)
         } else {
             self.nearest_points(&least, noise)?
         };
@@ -252,6 +252,44 @@ impl Boxes {
         }
     }
 
+    /// Points of both boxes that are the depth apart along the normal: a corner of one and its foot on
+    /// the face of the other. Where edges or faces are parallel to that face, the corner is moved along
+    /// them to where it has a foot.
+    fn deepest_points(&self, least: &Least) -> (DVec3, DVec3) {
+        let across = least.normal * least.depth;
+        let on_b = match least.kind {
+            Kind::Edges(..) => return self.points(least),
+            Kind::FaceA(_) => self.corner_of_b(Self::high_corner_of_b(least.normal)),
+            Kind::FaceB(_) => self.points(least).1.clamp(-self.b.half, self.b.half),
+        };
+        let on_a = self.in_a(on_b - across);
+        (on_a, (on_a + across).clamp(-self.b.half, self.b.half))
+    }
+
+    /// A corner of B by the ends of its axes.
+    #[inline]
+    fn corner_of_b(&self, high: [bool; 3]) -> DVec3 {
+        let at = |m: usize| {
+            if high[m] {
+                self.b.half[m]
+            } else {
+                -self.b.half[m]
+            }
+        };
+        DVec3::new(at(0), at(1), at(2))
+    }
+
+    /// The point of A nearest to one, both from the centre of B.
+    fn in_a(&self, point: DVec3) -> DVec3 {
+        let from = point - self.offset;
+        let mut nearest = self.offset;
+        for m in 0..3 {
+            let half = self.a.half[m];
+            nearest += self.axes[m] * self.axes[m].dot(from).clamp(-half, half);
+        }
+        nearest
+    }
+
     /// Two points, from the centre of B, that are as far apart as the axis proves, within `noise`: the
     /// nearest features are those of the axis.
     fn nearest_points(&self, least: &Least, noise: f64) -> Option<(DVec3, DVec3)> {
@@ -262,21 +300,8 @@ impl Boxes {
                 (low, low.clamp(-self.b.half, self.b.half))
             }
             Kind::FaceA(_) => {
-                let high = Self::high_corner_of_b(least.normal);
-                let corner = DVec3::from_array(core::array::from_fn(|m| {
-                    if high[m] {
-                        self.b.half[m]
-                    } else {
-                        -self.b.half[m]
-                    }
-                }));
-                let from = corner - self.offset;
-                let mut nearest = self.offset;
-                for m in 0..3 {
-                    let half = self.a.half[m];
-                    nearest += self.axes[m] * self.axes[m].dot(from).clamp(-half, half);
-                }
-                (nearest, corner)
+                let corner = self.corner_of_b(Self::high_corner_of_b(least.normal));
+                (self.in_a(corner), corner)
             }
         };
         let upper_squared = (on_a - on_b).length_squared();
