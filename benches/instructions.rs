@@ -19,26 +19,47 @@ mod scenes;
 use std::hint::black_box;
 
 use iai_callgrind::{library_benchmark, library_benchmark_group, main};
-use palpable::geometry::distance::{Distance, distance};
 use palpable::geometry::penetration::{CorePenetration, core_penetration};
+use palpable::geometry::separation::Separation;
 
-use pairs::Pair;
+use pairs::{APART_M, Class, Pair, SHALLOW_M};
 use scenes::Scene;
 
 #[library_benchmark]
-#[bench::boxes_apart(pairs::boxes_apart())]
-#[bench::hulls_of_32_apart(pairs::hulls_apart())]
-fn distance_of(pair: Pair) -> Distance {
-    let Pair { a, b, a_in_b } = black_box(pair);
-    distance(&a, &b, &a_in_b, pair.seed())
+#[bench::boxes_apart(Class::Boxes.at_gap(APART_M))]
+#[bench::boxes_shallow(Class::Boxes.at_gap(SHALLOW_M))]
+#[bench::hulls_of_12_apart(Class::Hulls12.at_gap(APART_M))]
+#[bench::hulls_of_12_shallow(Class::Hulls12.at_gap(SHALLOW_M))]
+#[bench::hulls_of_32_apart(Class::Hulls32.at_gap(APART_M))]
+#[bench::hulls_of_32_shallow(Class::Hulls32.at_gap(SHALLOW_M))]
+#[bench::fingers_apart(Class::Fingers.at_gap(APART_M))]
+#[bench::fingers_shallow(Class::Fingers.at_gap(SHALLOW_M))]
+#[bench::slab_and_finger_apart(Class::SlabAndFinger.at_gap(APART_M))]
+#[bench::slab_and_finger_shallow(Class::SlabAndFinger.at_gap(SHALLOW_M))]
+fn cold(pair: Pair) -> Separation {
+    black_box(pair).ask()
 }
 
 #[library_benchmark]
-#[bench::boxes_shallow(pairs::boxes_shallow())]
-#[bench::hulls_of_32_shallow(pairs::hulls_shallow())]
-fn penetration_of(pair: Pair) -> CorePenetration {
-    let Pair { a, b, a_in_b } = black_box(pair);
-    core_penetration(&a, &b, &a_in_b)
+#[bench::boxes_apart(Class::Boxes.at_gap(APART_M))]
+#[bench::boxes_shallow(Class::Boxes.at_gap(SHALLOW_M))]
+#[bench::hulls_of_12_apart(Class::Hulls12.at_gap(APART_M))]
+#[bench::hulls_of_12_shallow(Class::Hulls12.at_gap(SHALLOW_M))]
+#[bench::hulls_of_32_apart(Class::Hulls32.at_gap(APART_M))]
+#[bench::hulls_of_32_shallow(Class::Hulls32.at_gap(SHALLOW_M))]
+#[bench::fingers_apart(Class::Fingers.at_gap(APART_M))]
+#[bench::fingers_shallow(Class::Fingers.at_gap(SHALLOW_M))]
+#[bench::slab_and_finger_apart(Class::SlabAndFinger.at_gap(APART_M))]
+#[bench::slab_and_finger_shallow(Class::SlabAndFinger.at_gap(SHALLOW_M))]
+fn warm(pair: Pair) -> Separation {
+    black_box(pair).ask_again()
+}
+
+#[library_benchmark]
+#[bench::hulls_of_32(Class::Hulls32.at_gap(SHALLOW_M))]
+fn enumeration(pair: Pair) -> CorePenetration {
+    let Pair { a, b, poses, .. } = black_box(pair);
+    core_penetration(&a, &b, &poses[0].seen_from(&poses[1]))
 }
 
 #[library_benchmark]
@@ -56,7 +77,7 @@ fn ten_frames(scene: Scene) -> Scene {
 
 library_benchmark_group!(
     name = geometry;
-    benchmarks = distance_of, penetration_of
+    benchmarks = cold, warm, enumeration
 );
 library_benchmark_group!(
     name = frames;

@@ -19,9 +19,9 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::Criterion;
-use palpable::geometry::distance::distance;
 use palpable::geometry::penetration::core_penetration;
 
+use pairs::{APART_M, Class, SHALLOW_M};
 use scenes::Scene;
 
 /// Frames of one sample: those that the instruction counts count.
@@ -53,29 +53,23 @@ fn main() {
 }
 
 fn geometry(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("geometry");
-    for (name, pair) in [
-        ("distance of boxes", pairs::boxes_apart()),
-        ("distance of hulls of 32", pairs::hulls_apart()),
-    ] {
-        group.bench_function(name, |bencher| {
-            bencher.iter(|| {
-                let pair = black_box(&pair);
-                distance(&pair.a, &pair.b, &pair.a_in_b, pair.seed())
+    let mut group = criterion.benchmark_group("separation");
+    for (name, class) in Class::ALL {
+        for (how, gap_m) in [("apart", APART_M), ("shallow", SHALLOW_M)] {
+            let pair = class.at_gap(gap_m);
+            group.bench_function(format!("{name} {how}, cold"), |bencher| {
+                bencher.iter(|| black_box(&pair).ask());
             });
-        });
-    }
-    for (name, pair) in [
-        ("penetration of boxes", pairs::boxes_shallow()),
-        ("penetration of hulls of 32", pairs::hulls_shallow()),
-    ] {
-        group.bench_function(name, |bencher| {
-            bencher.iter(|| {
-                let pair = black_box(&pair);
-                core_penetration(&pair.a, &pair.b, &pair.a_in_b)
+            group.bench_function(format!("{name} {how}, warm"), |bencher| {
+                bencher.iter(|| black_box(&pair).ask_again());
             });
-        });
+        }
     }
+    let pair = Class::Hulls32.at_gap(SHALLOW_M);
+    let a_in_b = pair.poses[0].seen_from(&pair.poses[1]);
+    group.bench_function("hulls of 32 shallow, enumeration", |bencher| {
+        bencher.iter(|| core_penetration(&pair.a, &pair.b, black_box(&a_in_b)));
+    });
     group.finish();
 }
 
