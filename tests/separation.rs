@@ -26,7 +26,7 @@ impl Pair {
         let counts = [(5, 30), (12, 12), (32, 32), (8, 100)][(random.bits() % 4) as usize];
         let scale = [0.01, 0.3, 20.0][(random.bits() % 3) as usize];
         let half_a = half(random) * scale;
-        let a = if random.bits() % 4 == 0 {
+        let a = if random.bits().is_multiple_of(4) {
             cuboid(half_a)
         } else {
             blob(random, counts.0, half_a)

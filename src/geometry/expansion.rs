@@ -89,8 +89,11 @@ pub(crate) struct Polytope {
     grain_m: f64,
 }
 
-/// Facets of a tetrahedron: vertices, and what is across their edges.
-const TETRAHEDRON: [([u8; 3], [(u8, u8); 3]); 4] = [
+/// The vertices of a facet, and the facets and edges across its edges.
+type Triangle = ([u8; 3], [(u8, u8); 3]);
+
+/// Facets of a tetrahedron.
+const TETRAHEDRON: [Triangle; 4] = [
     ([0, 1, 2], [(1, 2), (2, 2), (3, 2)]),
     ([0, 3, 1], [(3, 1), (2, 0), (0, 0)]),
     ([1, 3, 2], [(1, 1), (3, 0), (0, 1)]),
