@@ -80,7 +80,8 @@ struct Final {
 pub(crate) struct Polytope {
     corners: ArrayVec<Corner, CORNERS_MAX>,
     facets: ArrayVec<Facet, FACETS_MAX>,
-    /// Squared distance of each facet's plane; infinite when the facet is gone or final.
+    /// Squared distance of each facet's plane, negative where the origin is outside; infinite when the
+    /// facet is gone or final.
     squared: ArrayVec<f64, FACETS_MAX>,
     /// Facets that are gone, to be used again.
     gone: ArrayVec<u8, FACETS_MAX>,
@@ -237,15 +238,15 @@ impl Polytope {
         Some(())
     }
 
-    /// Adds a facet; `None` if the origin is not on its inner side, or there is no room.
+    /// Adds a facet; `None` if it has no area, or there is no room.
     #[inline]
     fn add(&mut self, vertices: [u8; 3], across: [Across; 3]) -> Option<usize> {
         let [p, q, r] = vertices.map(|vertex| self.corners[usize::from(vertex)].at);
         let normal = (q - p).cross(r - p);
         let normal_squared = normal.length_squared();
         let offset = normal.dot(p);
-        let squared = offset * offset / normal_squared;
-        if !(offset > 0.0 && squared < f64::INFINITY) {
+        let squared = offset * offset.abs() / normal_squared;
+        if !squared.is_finite() {
             return None;
         }
         let facet = Facet {
@@ -267,7 +268,8 @@ impl Polytope {
         Some(self.facets.len() - 1)
     }
 
-    /// The open facet nearest the origin and its squared distance.
+    /// The open facet that the origin is farthest outside of, or nearest to when it is inside all, and
+    /// infinity if none is open.
     #[inline]
     fn nearest(&self) -> (usize, f64) {
         let (mut place, mut least) = (0, f64::INFINITY);
@@ -279,14 +281,18 @@ impl Polytope {
         (place, least)
     }
 
-    /// Grows until the nearest facet is final, and all others at the same distance are.
+    /// Grows until the origin is inside, the nearest facet is final, and all others at the same
+    /// distance are. `None` where the cores turn out to be apart.
     fn grow(&mut self, pair: &Difference) -> Option<Final> {
         let mut best: Option<Final> = None;
         loop {
             let (place, squared) = self.nearest();
-            let distance = sqrt_f64(squared);
+            if squared == f64::INFINITY {
+                break;
+            }
             let facet = &self.facets[place];
-            let outward = facet.normal * (distance / facet.offset);
+            let scale = 1.0 / sqrt_f64(facet.normal_squared);
+            let (outward, distance) = (facet.normal * scale, facet.offset * scale);
             if let Some(best) = best.as_mut() {
                 if distance > best.depth_m + self.grain_m {
                     break;
@@ -302,6 +308,9 @@ impl Polytope {
             let within = distance + self.grain_m;
             let corner = pair.lowest(-outward);
             let reach = outward.dot(corner.at);
+            if reach <= 0.0 {
+                return None;
+            }
             if reach > within {
                 self.expand(place, corner)?;
                 continue;
