@@ -72,10 +72,8 @@ fn the_point_of_an_overlap_is_on_both() {
     assert!(inside, "{} is beside the pebble", found.point_b);
 }
 
-/// A finding: the simplex encloses the origin while an earlier plane parts the cores by 2e-9 m, and its
-/// four corners' mean is given as the nearest points.
+/// The origin is within rounding of the difference's surface: corners about it are no nearest points.
 #[test]
-#[should_panic(expected = "apart")]
 fn touching_cores_have_one_point() {
     let a = [
         [6.666_667, 6.666_667, 1.568_743_6],
@@ -145,10 +143,9 @@ fn slivers_are_as_deep_as_they_are() {
     assert!(error < 1e-4, "{error} m too deep");
 }
 
-/// A finding: a hull of points that are nearly collinear has a face with the normal zero, along which
-/// every overlap is zero.
+/// Three of these points are collinear but for less than a cell of the hull's grid, and an edge of 0.008
+/// rad is beside a fourth.
 #[test]
-#[should_panic(expected = "no normal")]
 fn faces_of_hulls_have_normals() {
     let points = [
         [0.000_996_078_5, 0.000_666_666_7, 0.000_666_666_7],

@@ -292,17 +292,17 @@ impl Output {
         left_out.all(|i| self.distance_within(double::from_array(points[i]), distance))
     }
 
-    /// Whether the point is inside or within `distance` of a face that it is above.
+    /// Whether the point is inside or within `distance` of a face, above or below its plane: beside a
+    /// sharp edge rounding decides which of its faces a point is above.
     fn distance_within(&self, point: Vec3d, distance: f64) -> bool {
         let mut inside = true;
         for face in &self.faces {
             let origin = self.point(self.corners(face)[0]);
             let height = double::dot(double::from_vec3(face.normal), double::sub(point, origin));
-            if height > 0.0 {
-                inside = false;
-                if height <= distance && self.face_distance(face, point, height) <= distance {
-                    return true;
-                }
+            inside &= height <= 0.0;
+            let near = height <= distance && height >= -distance;
+            if near && self.face_distance(face, point, height) <= distance {
+                return true;
             }
         }
         inside
