@@ -7,8 +7,9 @@
 //! 2. Triangles that are flat together within [`FLATNESS`] are merged; points that are then no
 //!    corner of three faces are left out, and step 1 is repeated without them.
 //! 3. The result is checked: Euler's formula, convex loops, no two faces with two common edges,
-//!    no input point farther than [`DEVIATION_MAX`] outside. If a check fails, everything is done again with
-//!    a tolerance four times finer, in the end with none. What fails even then is refused.
+//!    corners within [`DEVIATION_MAX`] of planes that all vertices are below, no input point farther
+//!    outside. If a check fails, everything is done again with a tolerance four times finer, in the
+//!    end with none. What fails even then is refused.
 //!
 //! Near an edge of a small angle t a point may be within a tolerance of both planes and yet 1 / t times as
 //! far from the hull, so sharp edges need tolerances down to a cell of the grid. Below that, points on
@@ -225,6 +226,7 @@ impl HullBuilder {
     fn finish(&mut self, points: &[[f32; 3]]) -> bool {
         let deviation_m = DEVIATION_MAX * self.grid.size_m;
         self.output.collect(&self.mesh, &self.groups, points)
+            && self.output.touches_planes(deviation_m)
             && self.output.holds(points, deviation_m)
     }
 

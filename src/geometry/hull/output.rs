@@ -159,7 +159,7 @@ impl Output {
         let normal = double::to_vec3(double::unit(self.area_vector(&self.loops[first..])));
         self.faces.push(Face {
             normal,
-            offset: self.reach(double::from_vec3(normal)),
+            offset: round_up(self.reach(double::from_vec3(normal))),
             first_loop: first as u16,
             loop_count: (self.loops.len() - first) as u16,
         });
@@ -177,14 +177,14 @@ impl Output {
         sum
     }
 
-    /// How far the vertices reach along a normal, rounded up.
-    fn reach(&self, normal: Vec3d) -> f32 {
+    /// How far the vertices reach along a normal.
+    fn reach(&self, normal: Vec3d) -> f64 {
         let mut reach = f64::NEG_INFINITY;
         for index in 0..self.vertex_count {
             let along = double::dot(normal, self.point(index as u16));
             reach = if along > reach { along } else { reach };
         }
-        round_up(reach)
+        reach
     }
 
     /// Takes the hull over from the mesh and its groups, every one of whose corners must be
@@ -283,6 +283,17 @@ impl Output {
                 let turn = double::cross(double::sub(b, a), double::sub(c, b));
                 double::dot(turn, normal) > 0.0
             })
+        })
+    }
+
+    /// Whether every corner is within `distance` of its faces' planes, which all vertices are below: the
+    /// normal of a face as thin as rounding may point anywhere across it.
+    pub fn touches_planes(&self, distance: f64) -> bool {
+        self.faces.iter().all(|face| {
+            let normal = double::from_vec3(face.normal);
+            let least = self.reach(normal) - distance;
+            let mut corners = self.corners(face).iter();
+            corners.all(|&corner| double::dot(normal, self.point(corner)) >= least)
         })
     }
 
