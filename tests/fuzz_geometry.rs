@@ -121,10 +121,9 @@ fn capsules_that_cross_are_parted_across() {
     }
 }
 
-/// A finding: the normals of a sliver's two sides are nearly opposite, so the arcs of its edges are
-/// hardly known, and the axis of least overlap is not found: 15.196 m instead of 14.289 m.
+/// The normals of a sliver's two sides are nearly opposite: heights over both planes do not tell how far a
+/// point is beyond their edge, so edges must not be left out by them.
 #[test]
-#[should_panic(expected = "too deep")]
 fn slivers_are_as_deep_as_they_are() {
     let cube = cuboid(Vec3::splat(100.0));
     let sliver = [

@@ -49,6 +49,13 @@ pub const PARALLEL_SINE: f32 = 1e-6;
 /// by at most s t^2 / 8. The lesser of both is largest for t near 0.01, where it is 1.1e-5 s.
 const PRUNING_PART: f32 = 2e-5;
 
+/// An edge is a blade when the sum of its normals, squared, is less than this: when its solid's angle is
+/// less than 0.01.
+///
+/// Rounding of heights by 1e-7 of the size s hides, between nearly opposite normals, a height of
+/// 1e-7 s / t for the solid's angle t. Down to this t that is within [`PRUNING_PART`].
+const BLADE_SUM_SQUARED: f32 = 1e-4;
+
 /// Lanes of B's edges that are compared with all edges of A before the next ones are loaded.
 const EDGE_LANES_MAX: usize = 32;
 
@@ -283,6 +290,8 @@ struct Heights<'p, 'a, 'o> {
     radius: f32,
     /// What rounding may hide.
     rounding: f32,
+    /// Centre of the other core's heart.
+    centre: Vec3,
     outside: ArrayVec<f32, PIECE_FACES_MAX>,
     other: &'p Convex<'o>,
     /// Turn and shift from the other piece's frame into this one's.
@@ -309,6 +318,7 @@ impl<'p, 'a, 'o> Heights<'p, 'a, 'o> {
             piece,
             radius: heart.radius - rounding,
             rounding,
+            centre,
             outside: piece
                 .faces
                 .iter()
@@ -359,7 +369,7 @@ impl<'p, 'a, 'o> Heights<'p, 'a, 'o> {
     /// one vector, from the edge to the heart. The largest product of a unit vector between the
     /// normals is that of one of them, or the length of the vector's projection onto their plane
     /// if that lies between them. With c the cosine of the normals and q = 1 - c that is
-    /// ((m1 - m2)^2 + 2 q m1 m2) / (q (2 - q)), squared.
+    /// ((m1 - m2)^2 + 2 q m1 m2) / (q (2 - q)), squared. Of a blade the heights do not tell that length.
     fn edge_matters(&self, edge: &Edge, cap: f32) -> bool {
         let (f1, f2) = (edge.faces[0] as usize, edge.faces[1] as usize);
         let (m1, m2) = (self.outside[f1], self.outside[f2]);
@@ -367,14 +377,26 @@ impl<'p, 'a, 'o> Heights<'p, 'a, 'o> {
         if m1 > bound || m2 > bound {
             return true;
         }
+        let (n1, n2) = (self.piece.faces[f1].normal, self.piece.faces[f2].normal);
+        if (n1 + n2).length_squared() < BLADE_SUM_SQUARED {
+            return self.blade_matters(edge, bound);
+        }
         if m1 <= 0.0 && m2 <= 0.0 {
             return false;
         }
-        let apart = self.piece.faces[f1].normal - self.piece.faces[f2].normal;
-        let q = 0.5 * apart.length_squared();
+        let q = 0.5 * (n1 - n2).length_squared();
         let between = m1 - m2 + q * m2 > 0.0 && m2 - m1 + q * m1 > 0.0;
         let squared = (m1 - m2) * (m1 - m2) + 2.0 * q * m1 * m2;
         between && squared > bound * bound * (q * (2.0 - q))
+    }
+
+    /// Whether the heart is farther from an edge's line than `bound`: no height over a plane through the
+    /// edge is more than that distance.
+    fn blade_matters(&self, edge: &Edge, bound: f32) -> bool {
+        let [start, end] = edge.vertices.map(|index| self.piece.vertex(index as usize));
+        let along = end - start;
+        let area_squared = along.cross(self.centre - start).length_squared();
+        bound < 0.0 || area_squared > bound * bound * along.length_squared()
     }
 }
 
