@@ -82,9 +82,11 @@ pub struct CorePenetration {
     pub depth: f32,
     /// Where the axis comes from.
     pub feature: Feature,
-    /// A point of A's core at the bottom of the overlap.
+    /// A point at the bottom of the overlap: a vertex or on an edge of A's core, or on its face opposite to
+    /// a vertex of B's if the axis is that face's.
     pub point_a: Vec3,
-    /// The point opposite to it on B's supporting plane (on B's edge if the axis is one of edges).
+    /// The point opposite to it at the top of the overlap: a vertex or on an edge of B's core, or on its
+    /// face opposite to a vertex of A's if the axis is that face's.
     pub point_b: Vec3,
 }
 
@@ -170,6 +172,7 @@ impl Least {
             depth: f32::INFINITY,
             feature: Feature::Points,
             vertex_a: 0,
+            vertex_b: 0,
         };
         Self { best, enough }
     }
@@ -482,6 +485,7 @@ struct Axis {
     depth: f32,
     feature: Feature,
     vertex_a: usize,
+    vertex_b: usize,
 }
 
 impl<'p, 'a, 'b, S: Sink> Search<'p, 'a, 'b, S> {
@@ -568,22 +572,16 @@ impl<'p, 'a, 'b, S: Sink> Search<'p, 'a, 'b, S> {
 
     /// Measures the overlap along a unit vector by the supports of both cores.
     fn try_axis(&mut self, normal: Vec3, feature: Feature) {
-        let (depth, vertex_a) = self.overlap(normal);
-        self.sink.take(&Axis {
-            normal,
-            depth,
-            feature,
-            vertex_a,
-        });
-    }
-
-    /// The overlap along a unit vector and the vertex of A at its bottom.
-    fn overlap(&self, normal: Vec3) -> (f32, usize) {
         let low = self.a.piece.support(self.inverse * -normal);
         let high = self.b.piece.support(normal);
         let from = self.point_of_a(low.index);
-        let depth = normal.dot(self.b.piece.vertex(high.index) - from);
-        (depth, low.index)
+        self.sink.take(&Axis {
+            normal,
+            depth: normal.dot(self.b.piece.vertex(high.index) - from),
+            feature,
+            vertex_a: low.index,
+            vertex_b: high.index,
+        });
     }
 
     fn point_of_a(&self, index: usize) -> Vec3 {
@@ -713,14 +711,20 @@ impl Search<'_, '_, '_, Least> {
 
     fn answer(&self) -> CorePenetration {
         let best = &self.sink.best;
-        let below = self.point_of_a(best.vertex_a);
         let (point_a, point_b) = match best.feature {
             Feature::Edges(index_a, index_b) => {
                 let edge = self.arc_of_a(index_a as usize);
                 let other = Arc::of(self.b.piece, &self.b.piece.edges[index_b as usize]);
                 closest_points(edge.start, edge.along, other.start, other.along)
             }
-            _ => (below, below + best.normal * best.depth),
+            Feature::FaceA(_) => {
+                let above = self.b.piece.vertex(best.vertex_b);
+                (above - best.normal * best.depth, above)
+            }
+            Feature::FaceB(_) | Feature::Points => {
+                let below = self.point_of_a(best.vertex_a);
+                (below, below + best.normal * best.depth)
+            }
         };
         CorePenetration {
             normal: best.normal,
