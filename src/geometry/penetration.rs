@@ -82,11 +82,10 @@ pub struct CorePenetration {
     pub depth: f32,
     /// Where the axis comes from.
     pub feature: Feature,
-    /// A point at the bottom of the overlap: a vertex or on an edge of A's core, or on its face opposite to
-    /// a vertex of B's if the axis is that face's.
+    /// A point at the bottom of the overlap, on A's face or edge if the axis is that feature's.
     pub point_a: Vec3,
-    /// The point opposite to it at the top of the overlap: a vertex or on an edge of B's core, or on its
-    /// face opposite to a vertex of A's if the axis is that face's.
+    /// The point opposite to it at the top of the overlap. Where faces lie on each other in a cross, one
+    /// of the two points may be beside its core, in its supporting plane.
     pub point_b: Vec3,
 }
 
@@ -717,14 +716,7 @@ impl Search<'_, '_, '_, Least> {
                 let other = Arc::of(self.b.piece, &self.b.piece.edges[index_b as usize]);
                 closest_points(edge.start, edge.along, other.start, other.along)
             }
-            Feature::FaceA(_) => {
-                let above = self.b.piece.vertex(best.vertex_b);
-                (above - best.normal * best.depth, above)
-            }
-            Feature::FaceB(_) | Feature::Points => {
-                let below = self.point_of_a(best.vertex_a);
-                (below, below + best.normal * best.depth)
-            }
+            _ => self.points_of_face(best),
         };
         CorePenetration {
             normal: best.normal,
@@ -734,6 +726,29 @@ impl Search<'_, '_, '_, Least> {
             point_b,
         }
     }
+
+    /// The points of a face's axis: a vertex of the other core and the point of the face opposite to it.
+    /// Where a face or edge lies on the face that point may be beside it; then a vertex of the face's
+    /// own core is taken, if it is less beside the other one.
+    fn points_of_face(&self, best: &Axis) -> (Vec3, Vec3) {
+        let below = self.point_of_a(best.vertex_a);
+        let above = self.b.piece.vertex(best.vertex_b);
+        let shift = best.normal * best.depth;
+        let (of_a, of_b) = ((below, below + shift), (above - shift, above));
+        let beside_b = outside_box(self.b.piece, of_a.1);
+        let beside_a = outside_box(self.a.piece, self.inverse * (of_b.0 - self.position));
+        let take_b = match best.feature {
+            Feature::FaceA(_) => beside_a <= beside_b + self.a.rounding,
+            _ => beside_b > beside_a + self.a.rounding,
+        };
+        if take_b { of_b } else { of_a }
+    }
+}
+
+/// How far a point is outside the bounding box of a core in whose frame it is, along one axis.
+fn outside_box(piece: &Convex, point: Vec3) -> f32 {
+    let beside = (point - piece.centre).abs() - piece.half_extents;
+    max(beside.max_element(), 0.0)
 }
 
 /// Dot products of eight vectors with one.
