@@ -111,12 +111,16 @@ fn check(hull: &HullView, points: &[Point]) {
 
 /// `slack`: by how much, relative to the size, another vertex may reach beyond one.
 fn check_within(hull: &HullView, points: &[Point], slack: f64) {
+    check_polytope(hull, points);
+    check_extreme(hull, slack * size(points));
+}
+
+fn check_polytope(hull: &HullView, points: &[Point]) {
     let size = size(points);
     check_vertices(hull, points);
     check_planes(hull, points, size);
     check_loops(hull, size);
     check_edges(hull);
-    check_extreme(hull, slack * size);
     check_box(hull);
     let (v, f, e) = counts(hull);
     assert_eq!(v + f, e + 2, "Euler");
@@ -467,6 +471,51 @@ fn clusters_of_nearly_equal_points() {
             .collect();
         build_and_check_fine(&placed(&points, random.rotation(), 1.0, [0.0; 3]));
     }
+}
+
+/// A point on a line or in a plane of earlier ones, but for noise from nothing to more than the
+/// tolerances.
+fn nearly_between(points: &[[f64; 3]], random: &mut Random) -> [f64; 3] {
+    let [p, q, r] = [(); 3].map(|()| points[random.index(points.len())]);
+    let (t, u) = (random.next(), random.next());
+    let u = if random.index(2) == 0 { 0.0 } else { u };
+    let noise = 10f64.powf(-8.5 + 4.5 * random.next());
+    [0, 1, 2].map(|i| p[i] + t * (q[i] - p[i]) + u * (r[i] - p[i]) + noise * random.next())
+}
+
+#[test]
+fn points_on_edges_and_faces_of_blades() {
+    let mut made = 0;
+    for seed in 140_000..160_000 {
+        let mut random = Random::new(seed);
+        let stretch = [(); 3].map(|()| 10f64.powi(-(random.index(7) as i32)));
+        let mut points: Vec<[f64; 3]> = Vec::new();
+        for index in 0..5 + random.index(12) {
+            let p = random.point();
+            points.push(if index > 3 && random.index(3) > 0 {
+                nearly_between(&points, &mut random)
+            } else {
+                let step = |x: f64| {
+                    if seed % 2 == 0 {
+                        (2.0 * x).round() / 2.0
+                    } else {
+                        x
+                    }
+                };
+                [0, 1, 2].map(|i| stretch[i] * step(p[i]))
+            });
+        }
+        let points: Vec<Point> = points.into_iter().map(narrow).collect();
+        let mut builder = HullBuilder::new();
+        match builder.build(&points) {
+            Ok(hull) => {
+                check_polytope(&hull, &points);
+                made += 1;
+            }
+            Err(error) => assert_eq!(error, HullError::Degenerate),
+        }
+    }
+    assert!(made > 15_000, "{made}");
 }
 
 #[test]

@@ -188,6 +188,27 @@ fn slivers() {
     }
 }
 
+/// Solids whose faces meet in angles down to 1e-6: sides of an edge have nearly opposite normals.
+#[test]
+fn blades() {
+    let mut random = Random(15);
+    for round in 0..3000 {
+        let thin = 10f64.powf(random.between(-5.2, -2.0)) as f32;
+        let half = Vec3::from_array(
+            [[1.0, 1.0, thin], [1.0, thin, 0.3], [thin, thin * 3.0, 1.0]][round % 3],
+        );
+        let count = 7 + round % 5;
+        let blade = blob(&mut random, count, half);
+        let solid = blob(&mut random, 9, Vec3::ONE);
+        let other = blob(&mut random, 7, Vec3::new(thin, 1.0, 0.7));
+        let at = (random.unit() * random.between(0.0, 1.5)).as_vec3();
+        let pose = Pose::new(random.turn(), at);
+        for (a, b) in [(&blade, &solid), (&solid, &blade), (&blade, &other)] {
+            check(a, b, &pose, 4e-7);
+        }
+    }
+}
+
 #[test]
 fn duplicate_and_coplanar_vertices() {
     let mut points = cuboid(Vec3::ONE).points;

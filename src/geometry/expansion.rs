@@ -101,10 +101,9 @@ const TETRAHEDRON: [Triangle; 4] = [
     ([2, 3, 0], [(2, 1), (1, 0), (0, 2)]),
 ];
 
-/// The depth of a pair for which four corners with the origin inside are known.
+/// The depth of a pair for which four corners are known, best with the origin inside.
 ///
-/// `None` when the corners are flat, the origin is on the surface of the difference as far as f64 can
-/// tell, or the polytope would need more than [`CORNERS_MAX`] corners. Cost: one support query of
+/// `None` when the corners are flat, the origin is not inside the difference as far as f64 can tell, or the polytope would need more than [`CORNERS_MAX`] corners. Cost: one support query of
 /// each core and a pass over the facets for every corner.
 pub(crate) fn depth(
     pair: &Difference,
@@ -118,6 +117,38 @@ pub(crate) fn depth(
         polytope.remember(&found, warm);
     }
     Some(polytope.answer(pair, &found))
+}
+
+/// As [`depth`], where the search for the nearest point ended on the origin without four corners about
+/// it: the polytope starts with corners far apart, wherever the origin is. Cost: six support queries of
+/// each core more.
+pub(crate) fn depth_from_afar(
+    pair: &Difference,
+    corners: &[Corner],
+    warm: Option<&mut WarmStart>,
+) -> Option<Depth> {
+    let mut known: ArrayVec<Corner, 10> = corners.iter().copied().take(4).collect();
+    for axis in DVec3::AXES {
+        known.extend([pair.lowest(axis), pair.lowest(-axis)]);
+    }
+    let p = known[0];
+    let q = farthest(&known, |at| (at - p.at).length_squared());
+    let r = farthest(&known, |at| (at - p.at).cross(q.at - p.at).length_squared());
+    let normal = (q.at - p.at).cross(r.at - p.at);
+    let s = farthest(&known, |at| normal.dot(at - p.at).abs());
+    depth(pair, &[p, q, r, s], warm)
+}
+
+/// The first of the corners for which a measure is largest.
+fn farthest(corners: &[Corner], measure: impl Fn(DVec3) -> f64) -> Corner {
+    let mut best = (corners[0], measure(corners[0].at));
+    for &corner in corners {
+        let far = measure(corner.at);
+        if far > best.1 {
+            best = (corner, far);
+        }
+    }
+    best.0
 }
 
 /// As [`depth`], from the surface that an earlier answer left; `None` also when it does not enclose the
@@ -223,7 +254,7 @@ impl Polytope {
         Some(())
     }
 
-    /// Starts with a tetrahedron; `None` if the origin is not inside it.
+    /// Starts with a tetrahedron; `None` if it is flat.
     fn start(&mut self, corners: &[Corner]) -> Option<()> {
         let &[p, q, r, s] = corners else {
             return None;

@@ -7,8 +7,13 @@
 //! 2. Triangles that are flat together within [`FLATNESS`] are merged; points that are then no
 //!    corner of three faces are left out, and step 1 is repeated without them.
 //! 3. The result is checked: Euler's formula, convex loops, no two faces with two common edges,
-//!    no input point farther than [`DEVIATION_MAX`] outside. If a check fails, everything is done again with
-//!    a tolerance four times finer, in the end with none; then all holds by construction.
+//!    corners within [`DEVIATION_MAX`] of planes that all vertices are below, no input point farther
+//!    outside. If a check fails, everything is done again with a tolerance four times finer, in the
+//!    end with none. What fails even then is refused.
+//!
+//! Near an edge of a small angle t a point may be within a tolerance of both planes and yet 1 / t times as
+//! far from the hull, so sharp edges need tolerances down to a cell of the grid. Below that, points on
+//! a line make triangles with normals that only rounding to the grid decided.
 
 mod grid;
 mod merge;
@@ -45,8 +50,15 @@ pub const SIZE_M_MIN: f64 = 1e-6;
 const _: () = assert!(FLATNESS * 2.0 < DEVIATION_MAX);
 const _: () = assert!(FLATNESS * 2.0 < THICKNESS_MIN);
 
-/// The tolerances tried in turn, relative to the hull's size.
-const LADDER: [f64; 4] = [FLATNESS, FLATNESS / 4.0, FLATNESS / 16.0, 0.0];
+/// The tolerances tried in turn, relative to the hull's size. The last but one is about a cell.
+const LADDER: [f64; 6] = [
+    FLATNESS,
+    FLATNESS / 4.0,
+    FLATNESS / 16.0,
+    FLATNESS / 64.0,
+    FLATNESS / 256.0,
+    0.0,
+];
 
 /// How often a hull is made again without its spare points before the tolerance is lowered.
 const REBUILDS_MAX: usize = 8;
@@ -63,7 +75,7 @@ pub enum HullError {
     /// A coordinate is beyond [`PIECE_REACH_M`].
     TooLarge,
     /// The points lie in a plane, on a line or in one place: see [`THICKNESS_MIN`] and
-    /// [`SIZE_M_MIN`].
+    /// [`SIZE_M_MIN`]. Or they are so nearly there that no hull passes its checks.
     Degenerate,
 }
 
@@ -165,7 +177,7 @@ impl HullBuilder {
     ///
     /// # Cost
     /// One hull takes at most n^2 steps, in practice n log n; it is made once, twice when points
-    /// lie on faces or edges, and never more than 32 times.
+    /// lie on faces or edges, and never more than 48 times.
     pub fn build(&mut self, points: &[[f32; 3]]) -> Result<HullView<'_>, HullError> {
         self.grid.fill(points, SIZE_M_MIN)?;
         for tolerance in LADDER {
@@ -184,7 +196,7 @@ impl HullBuilder {
             self.triangulate(tolerance)?;
             self.groups.gather(&self.mesh, &self.grid.cells, tolerance);
             if !self.drop_spare() {
-                return Ok(self.finish(points) || tolerance == 0.0);
+                return Ok(self.finish(points));
             }
         }
         Ok(false)
@@ -214,6 +226,7 @@ impl HullBuilder {
     fn finish(&mut self, points: &[[f32; 3]]) -> bool {
         let deviation_m = DEVIATION_MAX * self.grid.size_m;
         self.output.collect(&self.mesh, &self.groups, points)
+            && self.output.touches_planes(deviation_m)
             && self.output.holds(points, deviation_m)
     }
 

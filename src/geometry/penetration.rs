@@ -52,6 +52,13 @@ const MEETING_PART: f32 = 2e-7;
 /// by at most s t^2 / 8. The lesser of both is largest for t near 0.01, where it is 1.1e-5 s.
 const PRUNING_PART: f32 = 2e-5;
 
+/// An edge is a blade when the sum of its normals, squared, is less than this: when its solid's angle is
+/// less than 0.01.
+///
+/// Rounding of heights by 1e-7 of the size s hides, between nearly opposite normals, a height of
+/// 1e-7 s / t for the solid's angle t. Down to this t that is within [`PRUNING_PART`].
+const BLADE_SUM_SQUARED: f32 = 1e-4;
+
 /// Lanes of B's edges that are compared with all edges of A before the next ones are loaded.
 const EDGE_LANES_MAX: usize = 32;
 
@@ -78,9 +85,10 @@ pub struct CorePenetration {
     pub depth: f32,
     /// Where the axis comes from.
     pub feature: Feature,
-    /// A point of A's core at the bottom of the overlap.
+    /// A point at the bottom of the overlap, on A's face or edge if the axis is that feature's.
     pub point_a: Vec3,
-    /// The point opposite to it on B's supporting plane (on B's edge if the axis is one of edges).
+    /// The point opposite to it at the top of the overlap. Where faces lie on each other in a cross, one
+    /// of the two points may be beside its core, in its supporting plane.
     pub point_b: Vec3,
 }
 
@@ -166,6 +174,7 @@ impl Least {
             depth: f32::INFINITY,
             feature: Feature::Points,
             vertex_a: 0,
+            vertex_b: 0,
         };
         Self { best, enough }
     }
@@ -286,6 +295,8 @@ struct Heights<'p, 'a, 'o> {
     radius: f32,
     /// What rounding may hide.
     rounding: f32,
+    /// Centre of the other core's heart.
+    centre: Vec3,
     outside: ArrayVec<f32, PIECE_FACES_MAX>,
     other: &'p Convex<'o>,
     /// Turn and shift from the other piece's frame into this one's.
@@ -312,6 +323,7 @@ impl<'p, 'a, 'o> Heights<'p, 'a, 'o> {
             piece,
             radius: heart.radius - rounding,
             rounding,
+            centre,
             outside: piece
                 .faces
                 .iter()
@@ -362,7 +374,7 @@ impl<'p, 'a, 'o> Heights<'p, 'a, 'o> {
     /// one vector, from the edge to the heart. The largest product of a unit vector between the
     /// normals is that of one of them, or the length of the vector's projection onto their plane
     /// if that lies between them. With c the cosine of the normals and q = 1 - c that is
-    /// ((m1 - m2)^2 + 2 q m1 m2) / (q (2 - q)), squared.
+    /// ((m1 - m2)^2 + 2 q m1 m2) / (q (2 - q)), squared. Of a blade the heights do not tell that length.
     fn edge_matters(&self, edge: &Edge, cap: f32) -> bool {
         let (f1, f2) = (edge.faces[0] as usize, edge.faces[1] as usize);
         let (m1, m2) = (self.outside[f1], self.outside[f2]);
@@ -370,14 +382,26 @@ impl<'p, 'a, 'o> Heights<'p, 'a, 'o> {
         if m1 > bound || m2 > bound {
             return true;
         }
+        let (n1, n2) = (self.piece.faces[f1].normal, self.piece.faces[f2].normal);
+        if (n1 + n2).length_squared() < BLADE_SUM_SQUARED {
+            return self.blade_matters(edge, bound);
+        }
         if m1 <= 0.0 && m2 <= 0.0 {
             return false;
         }
-        let apart = self.piece.faces[f1].normal - self.piece.faces[f2].normal;
-        let q = 0.5 * apart.length_squared();
+        let q = 0.5 * (n1 - n2).length_squared();
         let between = m1 - m2 + q * m2 > 0.0 && m2 - m1 + q * m1 > 0.0;
         let squared = (m1 - m2) * (m1 - m2) + 2.0 * q * m1 * m2;
         between && squared > bound * bound * (q * (2.0 - q))
+    }
+
+    /// Whether the heart is farther from an edge's line than `bound`: no height over a plane through the
+    /// edge is more than that distance.
+    fn blade_matters(&self, edge: &Edge, bound: f32) -> bool {
+        let [start, end] = edge.vertices.map(|index| self.piece.vertex(index as usize));
+        let along = end - start;
+        let area_squared = along.cross(self.centre - start).length_squared();
+        bound < 0.0 || area_squared > bound * bound * along.length_squared()
     }
 }
 
@@ -463,6 +487,7 @@ struct Axis {
     depth: f32,
     feature: Feature,
     vertex_a: usize,
+    vertex_b: usize,
 }
 
 impl<'p, 'a, 'b, S: Sink> Search<'p, 'a, 'b, S> {
@@ -549,22 +574,16 @@ impl<'p, 'a, 'b, S: Sink> Search<'p, 'a, 'b, S> {
 
     /// Measures the overlap along a unit vector by the supports of both cores.
     fn try_axis(&mut self, normal: Vec3, feature: Feature) {
-        let (depth, vertex_a) = self.overlap(normal);
-        self.sink.take(&Axis {
-            normal,
-            depth,
-            feature,
-            vertex_a,
-        });
-    }
-
-    /// The overlap along a unit vector and the vertex of A at its bottom.
-    fn overlap(&self, normal: Vec3) -> (f32, usize) {
         let low = self.a.piece.support(self.inverse * -normal);
         let high = self.b.piece.support(normal);
         let from = self.point_of_a(low.index);
-        let depth = normal.dot(self.b.piece.vertex(high.index) - from);
-        (depth, low.index)
+        self.sink.take(&Axis {
+            normal,
+            depth: normal.dot(self.b.piece.vertex(high.index) - from),
+            feature,
+            vertex_a: low.index,
+            vertex_b: high.index,
+        });
     }
 
     fn point_of_a(&self, index: usize) -> Vec3 {
@@ -694,14 +713,13 @@ impl Search<'_, '_, '_, Least> {
 
     fn answer(&self) -> CorePenetration {
         let best = &self.sink.best;
-        let below = self.point_of_a(best.vertex_a);
         let (point_a, point_b) = match best.feature {
             Feature::Edges(index_a, index_b) => {
                 let edge = self.arc_of_a(index_a as usize);
                 let other = Arc::of(self.b.piece, &self.b.piece.edges[index_b as usize]);
                 closest_points(edge.start, edge.along, other.start, other.along)
             }
-            _ => (below, below + best.normal * best.depth),
+            _ => self.points_of_face(best),
         };
         CorePenetration {
             normal: best.normal,
@@ -711,6 +729,29 @@ impl Search<'_, '_, '_, Least> {
             point_b,
         }
     }
+
+    /// The points of a face's axis: a vertex of the other core and the point of the face opposite to it.
+    /// Where a face or edge lies on the face that point may be beside it; then a vertex of the face's
+    /// own core is taken, if it is less beside the other one.
+    fn points_of_face(&self, best: &Axis) -> (Vec3, Vec3) {
+        let below = self.point_of_a(best.vertex_a);
+        let above = self.b.piece.vertex(best.vertex_b);
+        let shift = best.normal * best.depth;
+        let (of_a, of_b) = ((below, below + shift), (above - shift, above));
+        let beside_b = outside_box(self.b.piece, of_a.1);
+        let beside_a = outside_box(self.a.piece, self.inverse * (of_b.0 - self.position));
+        let take_b = match best.feature {
+            Feature::FaceA(_) => beside_a <= beside_b + self.a.rounding,
+            _ => beside_b > beside_a + self.a.rounding,
+        };
+        if take_b { of_b } else { of_a }
+    }
+}
+
+/// How far a point is outside the bounding box of a core in whose frame it is, along one axis.
+fn outside_box(piece: &Convex, point: Vec3) -> f32 {
+    let beside = (point - piece.centre).abs() - piece.half_extents;
+    max(beside.max_element(), 0.0)
 }
 
 /// Dot products of eight vectors with one.

@@ -176,11 +176,17 @@ fn approached(
     found: &Approach,
     warm: Option<&mut WarmStart>,
 ) -> Option<CoreGap> {
+    let corners = found.simplex.corners();
     if found.inside {
-        let depth = expansion::depth(pair, found.simplex.corners(), warm)?;
-        return Some((&depth).into());
+        return Some((&expansion::depth(pair, corners, warm)?).into());
     }
-    (found.lower_m > 0.0).then(|| (&found.distance(pair)).into())
+    if found.lower_m > 0.0 {
+        return Some((&found.distance(pair)).into());
+    }
+    if pair.a.faces.is_empty() && pair.b.faces.is_empty() {
+        return None;
+    }
+    Some((&expansion::depth_from_afar(pair, corners, warm)?).into())
 }
 
 impl From<&Depth> for CoreGap {

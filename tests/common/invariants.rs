@@ -130,9 +130,6 @@ pub enum Outcome {
 /// in products, and a product rounds as often again.
 const UNIT_MAX: f64 = 2e-6;
 
-/// Overlapping solids thinner than this part of their size are not asked for the least depth.
-const SLIVER_PART: f64 = 1e-3;
-
 /// What is checked of a pair, in the order of [`Checker::worst`].
 pub const CHECKS: [&str; 8] = [
     "unit normal",
@@ -170,9 +167,8 @@ impl Checker {
             return Outcome::Refused;
         };
         let (a, b) = (a.convex(of_a.radius), b.convex(of_b.radius));
-        if has_flat_face(&a) || has_flat_face(&b) {
-            return Outcome::Refused;
-        }
+        assert_unit_normals(&a);
+        assert_unit_normals(&b);
         let far = if draw.word().is_multiple_of(4) {
             500.0
         } else {
@@ -263,16 +259,15 @@ impl<'p> Pair<'p> {
         let off = |other: f64| (other - gap).abs();
         let seeded = seeds.map(|seed| off(f64::from(self.ask(seed).gap_m)));
         let along = f64::from(self.has_normal());
-        let least = f64::from(self.has_least_normal());
         [
             (n.length() - 1.0).abs() / UNIT_MAX,
             along * off(self.plane_gap(n.normalize())) / self.relative_m,
             self.between_off() / (self.given_away_m + self.world_m),
             outside(&self.a, &self.pose_a, found.point_a) / self.world_m,
             self.point_b_outside() / self.world_m,
-            least * off(self.swapped()) / self.touching_m(),
+            along * off(self.swapped()) / self.touching_m(),
             seeded[0].max(seeded[1]) / self.touching_m(),
-            least * self.moved().abs() / (self.sideways_m() + self.world_m),
+            along * self.moved().abs() / (self.sideways_m() + self.world_m),
         ]
     }
 
@@ -286,38 +281,26 @@ impl<'p> Pair<'p> {
         self.cores_m <= self.touching_m()
     }
 
-    /// How far the gap is from that between the points. Where cores just touch the search for their
-    /// distance may end without nearest points.
+    /// How far the gap is from that between the points.
     fn between_off(&self) -> f64 {
-        if self.cores_m.abs() <= self.touching_m() {
-            return 0.0;
-        }
         let between = self.found.point_a.as_dvec3() - self.found.point_b.as_dvec3();
         (self.found.normal.as_dvec3().dot(between) - f64::from(self.found.gap_m)).abs()
     }
 
-    /// How far B's point is outside its box. Where cores touch it is only known to lie on B's supporting
+    /// How far B's point is outside its box. Where boxes touch it is only known to lie on B's supporting
     /// plane, opposite to A's point.
     fn point_b_outside(&self) -> f64 {
-        if self.cores_touch() {
+        if self.a.is_box && self.b.is_box && self.cores_touch() {
             0.0
         } else {
             outside(&self.b, &self.pose_b, self.found.point_b)
         }
     }
 
-    /// Whether the normal means anything.
+    /// Whether the normal means anything: where the cores of spheres and capsules touch it is rounding.
     fn has_normal(&self) -> bool {
         let solid = !self.a.faces.is_empty() || !self.b.faces.is_empty();
         solid || !self.cores_touch()
-    }
-
-    /// Whether moving by the gap must part the pair. Where the cores of spheres and capsules touch the
-    /// normal is rounding, and where a sliver overlaps, axes of its edges are missed.
-    fn has_least_normal(&self) -> bool {
-        let solid = !self.a.faces.is_empty() || !self.b.faces.is_empty();
-        let sliver = is_sliver(&self.a) || is_sliver(&self.b);
-        !self.cores_touch() || (solid && !sliver)
     }
 
     /// How far moving by the gap may miss. A normal whose planes give away g of a distance d is off by
@@ -362,21 +345,10 @@ fn vertices<'p>(piece: &'p Convex) -> impl Iterator<Item = DVec3> + 'p {
     (0..piece.vertex_count).map(|index| piece.vertex(index).as_dvec3())
 }
 
-/// Whether a face has no area and so no normal; hulls of slivers were seen with one.
-fn has_flat_face(piece: &Convex) -> bool {
-    let flat = |face: &Face| (face.normal.as_dvec3().length() - 1.0).abs() > 1e-6;
-    piece.faces.iter().any(flat)
-}
-
-/// Whether a solid is thinner than [`SLIVER_PART`] of its size.
-fn is_sliver(piece: &Convex) -> bool {
-    let thickness = |face: &Face| {
-        let normal = face.normal.as_dvec3();
-        let lowest = vertices(piece).fold(f64::MAX, |low, v| low.min(normal.dot(v)));
-        f64::from(face.offset) - lowest
-    };
-    let thin = SLIVER_PART * f64::from(piece.size() - 2.0 * piece.radius);
-    piece.faces.iter().any(|face| thickness(face) < thin)
+fn assert_unit_normals(piece: &Convex) {
+    let off = |face: &Face| (face.normal.as_dvec3().length() - 1.0).abs();
+    let worst = piece.faces.iter().map(off).fold(0.0, f64::max);
+    assert!(worst < 1e-6, "a face's normal is {worst} off unit length");
 }
 
 /// How far a point of the world is outside a piece's box, rounding radius included.

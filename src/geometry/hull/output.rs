@@ -159,7 +159,7 @@ impl Output {
         let normal = double::to_vec3(double::unit(self.area_vector(&self.loops[first..])));
         self.faces.push(Face {
             normal,
-            offset: self.reach(double::from_vec3(normal)),
+            offset: round_up(self.reach(double::from_vec3(normal))),
             first_loop: first as u16,
             loop_count: (self.loops.len() - first) as u16,
         });
@@ -177,14 +177,14 @@ impl Output {
         sum
     }
 
-    /// How far the vertices reach along a normal, rounded up.
-    fn reach(&self, normal: Vec3d) -> f32 {
+    /// How far the vertices reach along a normal.
+    fn reach(&self, normal: Vec3d) -> f64 {
         let mut reach = f64::NEG_INFINITY;
         for index in 0..self.vertex_count {
             let along = double::dot(normal, self.point(index as u16));
             reach = if along > reach { along } else { reach };
         }
-        round_up(reach)
+        reach
     }
 
     /// Takes the hull over from the mesh and its groups, every one of whose corners must be
@@ -286,23 +286,34 @@ impl Output {
         })
     }
 
+    /// Whether every corner is within `distance` of its faces' planes, which all vertices are below: the
+    /// normal of a face as thin as rounding may point anywhere across it.
+    pub fn touches_planes(&self, distance: f64) -> bool {
+        self.faces.iter().all(|face| {
+            let normal = double::from_vec3(face.normal);
+            let least = self.reach(normal) - distance;
+            let mut corners = self.corners(face).iter();
+            corners.all(|&corner| double::dot(normal, self.point(corner)) >= least)
+        })
+    }
+
     /// Whether no point is farther than `distance` from the hull.
     pub fn holds(&self, points: &[[f32; 3]], distance: f64) -> bool {
         let mut left_out = (0..points.len()).filter(|&i| self.vertex_of[i] == NONE);
         left_out.all(|i| self.distance_within(double::from_array(points[i]), distance))
     }
 
-    /// Whether the point is inside or within `distance` of a face that it is above.
+    /// Whether the point is inside or within `distance` of a face, above or below its plane: beside a
+    /// sharp edge rounding decides which of its faces a point is above.
     fn distance_within(&self, point: Vec3d, distance: f64) -> bool {
         let mut inside = true;
         for face in &self.faces {
             let origin = self.point(self.corners(face)[0]);
             let height = double::dot(double::from_vec3(face.normal), double::sub(point, origin));
-            if height > 0.0 {
-                inside = false;
-                if height <= distance && self.face_distance(face, point, height) <= distance {
-                    return true;
-                }
+            inside &= height <= 0.0;
+            let near = height <= distance && height >= -distance;
+            if near && self.face_distance(face, point, height) <= distance {
+                return true;
             }
         }
         inside
