@@ -99,6 +99,26 @@ fn touching_cores_have_one_point() {
     assert!(apart < 1e-4, "touching points are {apart} m apart");
 }
 
+/// A segment along a box's face has its deepest points inside both; no vertex is one of them.
+#[test]
+fn a_segment_along_a_face_is_deepest_inside_both() {
+    let block = cuboid(Vec3::splat(66.666_67));
+    let rod = Hull::new(&[Vec3::new(100.0, -100.0, 100.0), Vec3::splat(-100.0)], 0.0);
+    let turn = Quat::from_xyzw(-0.5, -0.5, -0.5, -0.5);
+    let [at_block, at_rod] = [-100.0, -10.0].map(|x| Pose::new(turn, Vec3::splat(x)));
+    let found = ask(&block, &rod, &at_block, &at_rod);
+    let in_block = Pose::IDENTITY.seen_from(&at_block).point(found.point_a);
+    assert!(in_block.abs().max_element() < 66.67, "{found:?}");
+    let on_rod = Pose::IDENTITY.seen_from(&at_rod).point(found.point_b);
+    let straight = (on_rod.x - on_rod.z).abs() < 1e-3 && (on_rod.y + 100.0).abs() < 1e-3;
+    assert!(straight && on_rod.x.abs() < 100.01, "{on_rod} {found:?}");
+    let between = found.point_a - found.point_b;
+    assert!(
+        (between - found.normal * found.gap_m).length() < 1e-3,
+        "{found:?}"
+    );
+}
+
 /// Axes that cross leave a rounding error between their nearest points, and its direction once was
 /// given as the normal. Moving by the radii along it did not part the capsules.
 #[test]

@@ -5,7 +5,8 @@
 use glam::{DQuat, DVec3, Quat, Vec3};
 use palpable::geometry::convex::{Convex, Face};
 use palpable::geometry::hull::{HullBuilder, HullError, HullView};
-use palpable::geometry::separation::{Separation, separation};
+use palpable::geometry::separation::{Separation, separation, separation_again};
+use palpable::geometry::warm::WarmStart;
 use palpable::limits::WORLD_REACH_M;
 use palpable::math::Pose;
 
@@ -131,7 +132,7 @@ pub enum Outcome {
 const UNIT_MAX: f64 = 2e-6;
 
 /// What is checked of a pair, in the order of [`Checker::worst`].
-pub const CHECKS: [&str; 8] = [
+pub const CHECKS: [&str; 9] = [
     "unit normal",
     "gap along the normal in f64",
     "gap between the points",
@@ -139,6 +140,7 @@ pub const CHECKS: [&str; 8] = [
     "B's point in B's box",
     "gap after a swap",
     "gap with another seed",
+    "gap from a warm start",
     "gap after moving by it",
 ];
 
@@ -220,7 +222,7 @@ struct Pair<'p> {
     relative_m: f64,
     /// The same for a point in the world.
     world_m: f64,
-    /// What the certificate of a distance may give away, as `geometry::distance` says.
+    /// Rounding of the gap to f32.
     given_away_m: f64,
 }
 
@@ -234,7 +236,6 @@ impl<'p> Pair<'p> {
         let relative_m = 1e-15 + 1e-6 * (reach(&a) + reach(&b) + between.length());
         let cores_m = f64::from(found.gap_m) + f64::from(a.radius) + f64::from(b.radius);
         let apart_m = cores_m.max(0.0);
-        let sizes = f64::from(a.size()) + f64::from(b.size());
         Self {
             a,
             b,
@@ -245,7 +246,7 @@ impl<'p> Pair<'p> {
             apart_m,
             relative_m,
             world_m: relative_m + 1e-6 * (far(&pose_a) + far(&pose_b)),
-            given_away_m: 1e-6 * apart_m + 1e-7 * sizes,
+            given_away_m: 1.2e-7 * apart_m,
         }
     }
 
@@ -264,9 +265,10 @@ impl<'p> Pair<'p> {
             along * off(self.plane_gap(n.normalize())) / self.relative_m,
             self.between_off() / (self.given_away_m + self.world_m),
             outside(&self.a, &self.pose_a, found.point_a) / self.world_m,
-            self.point_b_outside() / self.world_m,
+            outside(&self.b, &self.pose_b, found.point_b) / self.world_m,
             along * off(self.swapped()) / self.touching_m(),
             seeded[0].max(seeded[1]) / self.touching_m(),
+            off(self.again()) / self.touching_m(),
             along * self.moved().abs() / (self.sideways_m() + self.world_m),
         ]
     }
@@ -287,27 +289,25 @@ impl<'p> Pair<'p> {
         (self.found.normal.as_dvec3().dot(between) - f64::from(self.found.gap_m)).abs()
     }
 
-    /// How far B's point is outside its box. Where boxes touch it is only known to lie on B's supporting
-    /// plane, opposite to A's point.
-    fn point_b_outside(&self) -> f64 {
-        if self.a.is_box && self.b.is_box && self.cores_touch() {
-            0.0
-        } else {
-            outside(&self.b, &self.pose_b, self.found.point_b)
-        }
-    }
-
-    /// Whether the normal means anything: where the cores of spheres and capsules touch it is rounding.
+    /// Whether the normal means anything: where the cores of spheres and capsules touch within rounding
+    /// but do not meet, it is the direction of that rounding.
     fn has_normal(&self) -> bool {
         let solid = !self.a.faces.is_empty() || !self.b.faces.is_empty();
         solid || !self.cores_touch()
     }
 
-    /// How far moving by the gap may miss. A normal whose planes give away g of a distance d is off by
-    /// the angle t with d (1 - cos t) <= g, so A passes the nearest point at d t = sqrt(2 d g) at most.
-    /// The axis of an overlap is not searched for but one of a few: nothing is given away.
+    /// How far moving by the gap may miss: the normal is rounded to f32 in B's frame and in the world.
     fn sideways_m(&self) -> f64 {
-        (2.0 * self.apart_m * (self.given_away_m + self.relative_m)).sqrt()
+        1e-6 * self.apart_m + self.relative_m
+    }
+
+    /// The gap, found from where the search ended that A's pose of `moved` began.
+    fn again(&self) -> f64 {
+        let mut warm = WarmStart::new();
+        let pose = self.pose_a.moved(-self.found.gap_m * self.found.normal);
+        let _ = separation_again(&self.a, &self.b, &pose, &self.pose_b, &mut warm);
+        let found = separation_again(&self.a, &self.b, &self.pose_a, &self.pose_b, &mut warm);
+        f64::from(found.gap_m)
     }
 
     fn ask(&self, seed: Vec3) -> Separation {
