@@ -20,8 +20,8 @@ use arrayvec::ArrayVec;
 use glam::{DVec3, Vec3};
 
 use super::convex::Convex;
-use super::distance::distance;
-use super::penetration::{axes_within, core_penetration};
+use super::penetration::axes_within;
+use super::separation::core_gap;
 use crate::math::{Pose, direction, length, max, min};
 
 /// Most pairs of pieces in one question.
@@ -102,8 +102,7 @@ pub struct Translation {
 /// Schmidl and Lin 2004, equation 1: sum of w d n / sum of w with weights w = d. It is exact for one
 /// overlapping pair. With two at an angle it satisfies neither, and opposite ones cancel.
 ///
-/// Cost: one penetration query a pair, and one distance query for pairs that only overlap by their
-/// rounding.
+/// Cost: one separation query a pair.
 #[must_use]
 pub fn weighted_mean(pairs: &[UnionPair]) -> Vec3 {
     let mut sum = Vec3::ZERO;
@@ -126,13 +125,8 @@ pub fn weighted_mean(pairs: &[UnionPair]) -> Vec3 {
 fn pair_depth(pair: &UnionPair) -> (Vec3, f32) {
     let a_in_b = pair.a_pose.seen_from(&pair.b_pose);
     let radii = pair.a.radius + pair.b.radius;
-    let cores = core_penetration(&pair.a, &pair.b, &a_in_b);
-    let turn = pair.b_pose.quat();
-    if cores.depth >= 0.0 {
-        return (turn * cores.normal, cores.depth + radii);
-    }
-    let apart = distance(&pair.a, &pair.b, &a_in_b, cores.normal);
-    (turn * apart.normal, radii - apart.lower_m)
+    let cores = core_gap(&pair.a, &pair.b, &a_in_b, Vec3::ZERO);
+    (pair.b_pose.quat() * cores.normal, radii - cores.gap)
 }
 
 /// A translation t with `normal . t >= offset` parts the pair.
@@ -355,11 +349,7 @@ fn gather(pairs: &[UnionPair], clearance_m: f32, all: &mut ArrayVec<Blocked, UNI
         let padding = padding(pair, clearance_m);
         let turn = pair.b_pose.quat();
         let a_in_b = pair.a_pose.seen_from(&pair.b_pose);
-        let mut nearest = core_penetration(&pair.a, &pair.b, &a_in_b).normal;
-        let apart = distance(&pair.a, &pair.b, &a_in_b, nearest);
-        if apart.lower_m > 0.0 {
-            nearest = apart.normal;
-        }
+        let nearest = core_gap(&pair.a, &pair.b, &a_in_b, Vec3::ZERO).normal;
         blocked.add(measured(pair, &a_in_b, turn * nearest, padding));
         for number in 0..27 {
             if let Some(normal) = fixed_direction(number) {
