@@ -339,7 +339,7 @@ impl Polytope {
             let within = distance + self.grain_m;
             let corner = pair.lowest(-outward);
             let reach = outward.dot(corner.at);
-            if reach <= 0.0 {
+            if reach < -self.grain_m {
                 return None;
             }
             if reach > within {
