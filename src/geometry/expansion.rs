@@ -120,21 +120,29 @@ pub(crate) fn depth(
 }
 
 /// As [`depth`], where the search for the nearest point ended on the origin without four corners about
-/// it: the polytope starts with corners far apart, wherever the origin is. Cost: six support queries of
-/// each core more.
+/// it: the polytope starts with corners far apart, wherever the origin is. Cost: twelve support queries
+/// of each core more.
 pub(crate) fn depth_from_afar(
     pair: &Difference,
     corners: &[Corner],
     warm: Option<&mut WarmStart>,
 ) -> Option<Depth> {
-    let mut known: ArrayVec<Corner, 10> = corners.iter().copied().take(4).collect();
-    for axis in DVec3::AXES {
+    let mut known: ArrayVec<Corner, 16> = corners.iter().copied().take(4).collect();
+    let look_along = |axis: DVec3, known: &mut ArrayVec<Corner, 16>| {
         known.extend([pair.lowest(axis), pair.lowest(-axis)]);
+    };
+    for axis in DVec3::AXES {
+        look_along(axis, &mut known);
     }
     let p = known[0];
     let q = farthest(&known, |at| (at - p.at).length_squared());
-    let r = farthest(&known, |at| (at - p.at).cross(q.at - p.at).length_squared());
-    let normal = (q.at - p.at).cross(r.at - p.at);
+    let along = q.at - p.at;
+    let beside = along.any_orthogonal_vector();
+    look_along(beside, &mut known);
+    look_along(along.cross(beside), &mut known);
+    let r = farthest(&known, |at| (at - p.at).cross(along).length_squared());
+    let normal = along.cross(r.at - p.at);
+    look_along(normal, &mut known);
     let s = farthest(&known, |at| normal.dot(at - p.at).abs());
     depth(pair, &[p, q, r, s], warm)
 }

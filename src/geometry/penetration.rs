@@ -1,6 +1,10 @@
 //! How deep two cores overlap: the exact least translation that parts them, by enumeration of
 //! separating axes.
 //!
+//! [`super::separation`] finds the same with less work by growing a polytope, and turns to this where
+//! that gives up. The way out of unions needs all axes up to a depth, not only the least: this knows
+//! them.
+//!
 //! The difference of two convex solids is a polytope whose faces come from the faces of A, the
 //! faces of B and those pairs of edges whose arcs cross on the Gauss sphere (Gregorius 2013, "The
 //! Separating Axis Test between Convex Polyhedra"). The nearest of those planes is the answer.

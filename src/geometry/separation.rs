@@ -30,9 +30,16 @@ pub struct Separation {
 /// The separation of two pieces at poses in the world.
 ///
 /// `seed` is a direction from B toward A to start with; zero when none is known. It never changes
-/// which answer is right, only how soon it is found. The pair is computed in B's frame.
+/// which answer is right, only how soon it is found. The pair is computed in B's frame, in f64, and
+/// rounded once: gap and depth are exact to 1e-7 of the smaller piece wherever the pair is.
 ///
-/// Cost: one distance query, and one penetration query when the cores overlap.
+/// Where the cores overlap the normal is that of the least translation that parts them; of several
+/// equally short ones the answer does not depend on the seed either.
+///
+/// Cost: for a pair of boxes fifteen axes. Otherwise at most [`crate::limits::DISTANCE_STEPS_MAX`]
+/// steps of one support query of each core, and where the cores overlap at most 60 more steps with a
+/// pass over at most 92 triangles each. Pairs for which that is not enough are measured by enumeration,
+/// in [`super::penetration::worst_steps`].
 #[must_use]
 pub fn separation(a: &Convex, b: &Convex, pose_a: &Pose, pose_b: &Pose, seed: Vec3) -> Separation {
     separation_within(a, b, pose_a, pose_b, seed, 0.0)
