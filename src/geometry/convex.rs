@@ -90,6 +90,12 @@ impl Convex<'_> {
         Vec3::new(lane.x[i], lane.y[i], lane.z[i])
     }
 
+    /// From the first vertex to the last: the whole of a segment, zero for a point.
+    #[inline]
+    pub(crate) fn extent(&self) -> Vec3 {
+        self.vertex(self.vertex_count - 1) - self.vertex(0)
+    }
+
     /// The vertex loop of a face, counter-clockwise seen from outside.
     #[inline]
     #[must_use]

@@ -811,8 +811,8 @@ fn crossings(edge: &Arc, lane: &EdgeLane) -> u32 {
 
 /// The closest points of two cores that are points or segments.
 fn closest_of_segments(a: &Convex, b: &Convex, a_in_b: &Relative) -> CorePenetration {
-    let (start_a, along_a) = segment_of(a);
-    let (start_b, along_b) = segment_of(b);
+    let (start_a, along_a) = (a.vertex(0), a.extent());
+    let (start_b, along_b) = (b.vertex(0), b.extent());
     let along_a = (a_in_b.turn * along_a.as_dvec3()).as_vec3();
     let start_a = a_in_b.point(start_a).as_vec3();
     let (point_a, point_b) = closest_points(start_a, along_a, start_b, along_b);
@@ -831,13 +831,8 @@ fn closest_of_segments(a: &Convex, b: &Convex, a_in_b: &Relative) -> CorePenetra
     }
 }
 
-fn segment_of(piece: &Convex) -> (Vec3, Vec3) {
-    let start = piece.vertex(0);
-    (start, piece.vertex(piece.vertex_count - 1) - start)
-}
-
 /// A unit vector at right angles to two vectors, either of which may be zero.
-fn normal_of_crossing(d: Vec3, e: Vec3) -> Vec3 {
+pub(crate) fn normal_of_crossing(d: Vec3, e: Vec3) -> Vec3 {
     let cross = d.cross(e);
     let scale = d.length_squared() * e.length_squared();
     if cross.length_squared() > PARALLEL_SINE * PARALLEL_SINE * scale

@@ -9,7 +9,7 @@ use super::distance::{Approach, approach, approach_again};
 use super::expansion::{self, Depth};
 use super::manifold::CoreGap;
 use super::penetration::boxes::Boxes;
-use super::penetration::core_penetration_in;
+use super::penetration::{core_penetration_in, normal_of_crossing};
 use super::relative::Relative;
 use super::warm::{WarmFeature, WarmStart};
 use crate::math::Pose;
@@ -191,9 +191,21 @@ fn approached(
         return Some((&found.distance(pair)).into());
     }
     if pair.a.faces.is_empty() && pair.b.faces.is_empty() {
-        return None;
+        return Some(meeting(pair, found));
     }
     Some((&expansion::depth_from_afar(pair, corners, warm)?).into())
+}
+
+/// Points or segments that meet: the least way out of their rounding is across both.
+fn meeting(pair: &Difference, found: &Approach) -> CoreGap {
+    let end = found.distance(pair);
+    let along_a = pair.a_in_b.turn * pair.a.extent().as_dvec3();
+    CoreGap {
+        normal: normal_of_crossing(along_a.as_vec3(), pair.b.extent()),
+        gap: 0.0,
+        point_a: end.point_a,
+        point_b: end.point_b,
+    }
 }
 
 impl From<&Depth> for CoreGap {
