@@ -214,8 +214,7 @@ struct Pair<'p> {
     pose_a: Pose,
     pose_b: Pose,
     found: Separation,
-    /// Gap of the cores, and their distance: zero when they overlap.
-    cores_m: f64,
+    /// Distance of the cores: zero when they overlap.
     apart_m: f64,
     /// Rounding of what is computed in B's frame: sixteen roundings of all that adds up there. A vertex
     /// passes through a product of quaternions, a matrix and sums; eight were seen.
@@ -242,7 +241,6 @@ impl<'p> Pair<'p> {
             pose_a,
             pose_b,
             found,
-            cores_m,
             apart_m,
             relative_m,
             world_m: relative_m + 1e-6 * (far(&pose_a) + far(&pose_b)),
@@ -259,17 +257,16 @@ impl<'p> Pair<'p> {
         let n = found.normal.as_dvec3();
         let off = |other: f64| (other - gap).abs();
         let seeded = seeds.map(|seed| off(f64::from(self.ask(seed).gap_m)));
-        let along = f64::from(self.has_normal());
         [
             (n.length() - 1.0).abs() / UNIT_MAX,
-            along * off(self.plane_gap(n.normalize())) / self.relative_m,
+            off(self.plane_gap(n.normalize())) / self.relative_m,
             self.between_off() / (self.given_away_m + self.world_m),
             outside(&self.a, &self.pose_a, found.point_a) / self.world_m,
             outside(&self.b, &self.pose_b, found.point_b) / self.world_m,
-            along * off(self.swapped()) / self.touching_m(),
+            off(self.swapped()) / self.touching_m(),
             seeded[0].max(seeded[1]) / self.touching_m(),
             off(self.again()) / self.touching_m(),
-            along * self.moved().abs() / (self.sideways_m() + self.world_m),
+            self.moved().abs() / (self.sideways_m() + self.world_m),
         ]
     }
 
@@ -278,22 +275,10 @@ impl<'p> Pair<'p> {
         self.given_away_m + self.relative_m
     }
 
-    /// Whether the cores overlap, or touch within rounding.
-    fn cores_touch(&self) -> bool {
-        self.cores_m <= self.touching_m()
-    }
-
     /// How far the gap is from that between the points.
     fn between_off(&self) -> f64 {
         let between = self.found.point_a.as_dvec3() - self.found.point_b.as_dvec3();
         (self.found.normal.as_dvec3().dot(between) - f64::from(self.found.gap_m)).abs()
-    }
-
-    /// Whether the normal means anything: where the cores of spheres and capsules touch within rounding
-    /// but do not meet, it is the direction of that rounding.
-    fn has_normal(&self) -> bool {
-        let solid = !self.a.faces.is_empty() || !self.b.faces.is_empty();
-        solid || !self.cores_touch()
     }
 
     /// How far moving by the gap may miss: the normal is rounded to f32 in B's frame and in the world.
