@@ -12,6 +12,7 @@ pub(crate) mod difference;
 pub mod distance;
 pub(crate) mod expansion;
 pub mod penetration;
+pub mod reach_cone;
 pub mod relative;
 pub mod separation;
 pub(crate) mod simplex;

@@ -154,3 +154,6 @@ pub const QUERY_ROUNDS_MAX: u32 = 8;
 
 /// The farthest a vertex may be from its piece's origin, in metres.
 pub const PIECE_REACH_M: f32 = 1e4;
+
+/// Most edges of a reach cone: Wilhelms and Van Gelder 2001 use 6 to 12 for a shoulder.
+pub const REACH_CONE_EDGES_MAX: usize = 12;

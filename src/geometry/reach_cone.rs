@@ -1,0 +1,198 @@
+//! Reach cones: the directions that the limb of a ball joint may take.
+//!
+//! Wilhelms and Van Gelder 2001, "Fast and Easy Reach-Cone Joint Limits": a polygon of great arcs on
+//! the unit sphere and a point inside that sees all of it. The lines of sight to the corners cut the
+//! sphere into lunes; a direction lies in one of them, and is allowed when it is on the inner side of
+//! that lune's arc. The polygon need not be convex and may be wider than a hemisphere.
+//!
+//! Where the paper bisects toward the last allowed direction, [`ReachCone::nearest`] gives the nearest
+//! allowed one: it needs no history, so equal questions have equal answers.
+
+use core::fmt;
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+use crate::limits::REACH_CONE_EDGES_MAX;
+use crate::math::{atan2, direction, length};
+
+/// Shortest edge, least angle between an edge and the visible point, and least rest of an edge to half
+/// a turn, as sines.
+const SINE_MIN: f32 = 1e-3;
+
+/// Why corners make no cone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConeError {
+    /// Fewer than three corners.
+    TooFew,
+    /// More than [`REACH_CONE_EDGES_MAX`] corners.
+    TooMany,
+    /// A corner or the visible point is zero or not finite.
+    NoDirection,
+    /// Neighbouring corners are less than a milliradian apart, or less from opposite.
+    Edge,
+    /// The visible point does not see every edge from the same side, by a milliradian at least.
+    NotVisible,
+    /// The polygon goes more than once around the visible point.
+    Winding,
+}
+
+impl fmt::Display for ConeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::TooFew => "a reach cone needs at least three corners",
+            Self::TooMany => "more corners than REACH_CONE_EDGES_MAX",
+            Self::NoDirection => "a corner or the visible point has no direction",
+            Self::Edge => "neighbouring corners are equal or opposite",
+            Self::NotVisible => "the visible point does not see every edge from inside",
+            Self::Winding => "the polygon goes around the visible point more than once",
+        })
+    }
+}
+
+impl core::error::Error for ConeError {}
+
+/// Allowed directions of a limb, in the frame of the joint's parent.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct ReachCone {
+    /// Unit vector that sees all edges.
+    visible: Vec3,
+    /// Unit vectors, counter-clockwise seen from outside the sphere; unused ones are zero.
+    corners: [Vec3; REACH_CONE_EDGES_MAX],
+    count: u32,
+}
+
+impl ReachCone {
+    /// A cone by directions of any length: its corners in order, either way round, and a point inside
+    /// from which every edge is seen.
+    ///
+    /// # Errors
+    /// See [`ConeError`].
+    pub fn new(visible: Vec3, corners: &[Vec3]) -> Result<Self, ConeError> {
+        if corners.len() < 3 {
+            return Err(ConeError::TooFew);
+        }
+        if corners.len() > REACH_CONE_EDGES_MAX {
+            return Err(ConeError::TooMany);
+        }
+        let mut cone = Self {
+            visible: direction(visible).ok_or(ConeError::NoDirection)?,
+            corners: [Vec3::ZERO; REACH_CONE_EDGES_MAX],
+            count: corners.len() as u32,
+        };
+        for (place, &corner) in cone.corners.iter_mut().zip(corners) {
+            *place = direction(corner).ok_or(ConeError::NoDirection)?;
+        }
+        let (a, b) = cone.edge(0);
+        if cone.visible.dot(a.cross(b)) < 0.0 {
+            cone.corners[..corners.len()].reverse();
+        }
+        cone.check()?;
+        Ok(cone)
+    }
+
+    fn check(&self) -> Result<(), ConeError> {
+        let mut turned = 0.0;
+        for index in 0..self.count() {
+            let (a, b) = self.edge(index);
+            let normal = a.cross(b);
+            if length(normal) < SINE_MIN {
+                return Err(ConeError::Edge);
+            }
+            let inside = self.visible.dot(normal);
+            if inside < SINE_MIN * length(normal) {
+                return Err(ConeError::NotVisible);
+            }
+            let aside = |p: Vec3| p - self.visible * self.visible.dot(p);
+            turned += atan2(inside, aside(a).dot(aside(b)));
+        }
+        let once = turned < 1.5 * core::f32::consts::TAU;
+        once.then_some(()).ok_or(ConeError::Winding)
+    }
+
+    /// The corners, counter-clockwise seen from outside the sphere.
+    #[must_use]
+    pub fn corners(&self) -> &[Vec3] {
+        &self.corners[..self.count()]
+    }
+
+    /// The point that sees all edges.
+    #[must_use]
+    pub fn visible(&self) -> Vec3 {
+        self.visible
+    }
+
+    fn count(&self) -> usize {
+        (self.count as usize).min(REACH_CONE_EDGES_MAX)
+    }
+
+    /// The ends of an edge.
+    fn edge(&self, index: usize) -> (Vec3, Vec3) {
+        let next = if index + 1 == self.count() {
+            0
+        } else {
+            index + 1
+        };
+        (self.corners[index], self.corners[next])
+    }
+
+    /// Whether a direction of any length is allowed; the boundary is, up to rounding.
+    ///
+    /// Cost: three products an edge at most.
+    #[must_use]
+    pub fn contains(&self, limb: Vec3) -> bool {
+        for index in 0..self.count() {
+            let (a, b) = self.edge(index);
+            let in_lune =
+                limb.dot(self.visible.cross(a)) >= 0.0 && limb.dot(b.cross(self.visible)) >= 0.0;
+            if in_lune {
+                return limb.dot(a.cross(b)) >= 0.0;
+            }
+        }
+        false
+    }
+
+    /// The allowed unit vector nearest to a unit vector: itself when it is allowed, else a point of the
+    /// boundary; of several, that of the first edge.
+    ///
+    /// Cost: one projection an edge.
+    #[must_use]
+    pub fn nearest(&self, limb: Vec3) -> Vec3 {
+        if self.contains(limb) {
+            return limb;
+        }
+        let mut best = self.corners[0];
+        let mut most = limb.dot(best);
+        for index in 0..self.count() {
+            let (a, b) = self.edge(index);
+            let found = nearest_of_arc(a, b, limb);
+            if limb.dot(found) > most {
+                (best, most) = (found, limb.dot(found));
+            }
+        }
+        best
+    }
+
+    /// How far a unit vector is outside, in radians; zero when it is allowed.
+    #[must_use]
+    pub fn outside_rad(&self, limb: Vec3) -> f32 {
+        if self.contains(limb) {
+            return 0.0;
+        }
+        let nearest = self.nearest(limb);
+        atan2(length(limb.cross(nearest)), limb.dot(nearest))
+    }
+}
+
+/// The point of the shorter arc from `a` to `b` that is nearest to a unit vector.
+fn nearest_of_arc(a: Vec3, b: Vec3, limb: Vec3) -> Vec3 {
+    let nearer_end = if limb.dot(b) > limb.dot(a) { b } else { a };
+    let normal = a.cross(b);
+    let foot = limb - normal * (normal.dot(limb) / normal.length_squared());
+    let between = a.cross(foot).dot(normal) > 0.0 && foot.cross(b).dot(normal) > 0.0;
+    match direction(foot) {
+        Some(foot) if between => foot,
+        _ => nearer_end,
+    }
+}

@@ -1,0 +1,179 @@
+//! Reach cones against f64: membership by meridians, nearest directions by dense sampling.
+
+use glam::{DVec3, Vec3};
+use palpable::geometry::reach_cone::{ConeError, ReachCone};
+use palpable::limits::REACH_CONE_EDGES_MAX;
+
+#[path = "common/shapes.rs"]
+mod shapes;
+
+use shapes::Random;
+
+fn octant() -> ReachCone {
+    ReachCone::new(Vec3::ONE, &[Vec3::X, Vec3::Y, Vec3::Z]).unwrap()
+}
+
+/// A cone around a random axis: between `low` and `high` radians from it, in random steps.
+fn random_cone(random: &mut Random, low: f64, high: f64) -> (ReachCone, DVec3, Vec<DVec3>) {
+    let axis = random.unit();
+    let u = axis.any_orthonormal_vector();
+    let v = axis.cross(u);
+    let count = 3 + (random.bits() % 10) as usize;
+    let corners: Vec<DVec3> = (0..count)
+        .map(|index| {
+            // No lune is wider than half a turn.
+            let jitter = random.between(-0.2, 0.2);
+            let azimuth = std::f64::consts::TAU * (index as f64 + jitter) / count as f64;
+            let angle = random.between(low, high);
+            axis * angle.cos() + (u * azimuth.cos() + v * azimuth.sin()) * angle.sin()
+        })
+        .collect();
+    let single: Vec<Vec3> = corners.iter().map(|p| p.as_vec3()).collect();
+    (
+        ReachCone::new(axis.as_vec3(), &single).expect("star-shaped about its axis"),
+        axis,
+        corners,
+    )
+}
+
+/// How far inside a direction is along its meridian, in radians: to where the meridian meets the edge.
+fn margin(axis: DVec3, corners: &[DVec3], limb: DVec3) -> f64 {
+    let tangent = (limb - axis * axis.dot(limb)).normalize();
+    let angle = axis.cross(limb).length().atan2(axis.dot(limb));
+    let around = |p: DVec3| tangent.cross(p).dot(axis).atan2(tangent.dot(p));
+    for (index, &a) in corners.iter().enumerate() {
+        let b = corners[(index + 1) % corners.len()];
+        let (from, to) = (around(a), around(b));
+        // The tangent is at zero; the edge that passes it goes from below to above, by less than pi.
+        if from <= 0.0 && to >= 0.0 && to - from < std::f64::consts::PI {
+            let normal = a.cross(b);
+            return axis.dot(normal).atan2(-tangent.dot(normal)) - angle;
+        }
+    }
+    panic!("no edge is met");
+}
+
+/// Angle to the nearest of many points on the boundary, and how far those are apart.
+fn sampled(corners: &[DVec3], limb: DVec3) -> (f64, f64) {
+    const STEPS: usize = 400;
+    let (mut least, mut spacing) = (f64::MAX, 0.0_f64);
+    for (index, &a) in corners.iter().enumerate() {
+        let b = corners[(index + 1) % corners.len()];
+        spacing = spacing.max(a.distance(b) * 2.0 / STEPS as f64);
+        for step in 0..=STEPS {
+            let p = a.lerp(b, step as f64 / STEPS as f64).normalize();
+            least = least.min(p.cross(limb).length().atan2(p.dot(limb)));
+        }
+    }
+    (least, spacing)
+}
+
+#[test]
+fn an_octant_allows_what_is_positive() {
+    let cone = octant();
+    assert!(cone.contains(Vec3::ONE));
+    assert!(cone.contains(Vec3::new(1.0, 0.01, 3.0)));
+    assert!(!cone.contains(Vec3::new(1.0, -0.01, 3.0)));
+    assert!(!cone.contains(-Vec3::ONE));
+    let inside = Vec3::new(0.6, 0.0, 0.8);
+    assert_eq!(cone.nearest(inside), inside);
+    let below = Vec3::new(0.6, -0.6, 0.529_150_3);
+    let wanted = Vec3::new(0.6, 0.0, 0.529_150_3).normalize();
+    assert!((cone.nearest(below) - wanted).length() < 1e-6);
+    let corner = cone.nearest(Vec3::new(0.9, -0.3, -0.316_227_77));
+    assert!((corner - Vec3::X).length() < 1e-6);
+    assert!((cone.outside_rad(Vec3::NEG_X) - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
+}
+
+#[test]
+fn either_way_round_is_the_same_cone() {
+    let back = ReachCone::new(Vec3::ONE, &[Vec3::Z, Vec3::Y, Vec3::X]).unwrap();
+    let mut random = Random(3);
+    for _ in 0..1000 {
+        let limb = random.unit().as_vec3();
+        assert_eq!(octant().contains(limb), back.contains(limb));
+        assert_eq!(octant().outside_rad(limb), back.outside_rad(limb));
+    }
+}
+
+#[test]
+fn membership_is_that_of_the_meridians() {
+    let mut random = Random(1);
+    let mut counts = [0, 0];
+    for round in 0..300 {
+        let (low, high) = [(0.3, 1.0), (0.9, 1.3), (1.2, 1.7), (1.8, 2.2)][round % 4];
+        let (cone, axis, corners) = random_cone(&mut random, low, high);
+        for _ in 0..100 {
+            let limb = random.unit();
+            let margin = margin(axis, &corners, limb);
+            if margin.abs() > 1e-5 {
+                assert_eq!(cone.contains(limb.as_vec3()), margin > 0.0, "{margin}");
+                counts[usize::from(margin > 0.0)] += 1;
+            }
+        }
+    }
+    assert!(counts.iter().all(|&count| count > 5000), "{counts:?}");
+}
+
+#[test]
+fn the_nearest_is_on_the_boundary_and_nothing_is_nearer() {
+    let mut random = Random(2);
+    let mut outside = 0;
+    for _ in 0..60 {
+        let (cone, _, corners) = random_cone(&mut random, 0.3, 1.4);
+        for _ in 0..40 {
+            let limb = random.unit();
+            if cone.contains(limb.as_vec3()) {
+                continue;
+            }
+            outside += 1;
+            let nearest = cone.nearest(limb.as_vec3());
+            let angle = limb.cross(nearest.as_dvec3()).length();
+            let angle = angle.atan2(limb.dot(nearest.as_dvec3()));
+            let (least, spacing) = sampled(&corners, limb);
+            assert!(angle <= least + 2e-6 && angle >= least - spacing - 2e-6);
+            assert!((nearest.length() - 1.0).abs() < 1e-6);
+            assert!(cone.outside_rad(nearest) < 1e-6);
+            assert!((f64::from(cone.outside_rad(limb.as_vec3())) - angle).abs() < 1e-6);
+        }
+    }
+    assert!(outside > 1000, "{outside}");
+}
+
+#[test]
+fn bad_corners_are_named() {
+    let new = ReachCone::new;
+    let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
+    assert_eq!(new(Vec3::ONE, &[x, y]), Err(ConeError::TooFew));
+    let many = [x; REACH_CONE_EDGES_MAX + 1];
+    assert_eq!(new(Vec3::ONE, &many), Err(ConeError::TooMany));
+    for bad in [Vec3::ZERO, Vec3::NAN, Vec3::INFINITY] {
+        assert_eq!(new(bad, &[x, y, z]), Err(ConeError::NoDirection));
+        assert_eq!(new(Vec3::ONE, &[x, bad, z]), Err(ConeError::NoDirection));
+    }
+    assert_eq!(new(Vec3::ONE, &[x, x, y, z]), Err(ConeError::Edge));
+    assert_eq!(new(Vec3::ONE, &[x, -x, y]), Err(ConeError::Edge));
+    assert_eq!(
+        new(-Vec3::ONE + 3.0 * z, &[x, y, z]),
+        Err(ConeError::NotVisible)
+    );
+    assert_eq!(new(x, &[x, y, z]), Err(ConeError::NotVisible));
+    let star: Vec<Vec3> = (0..5)
+        .map(|index| {
+            let (sine, cosine) = (index as f32 * 2.0 * std::f32::consts::TAU / 5.0).sin_cos();
+            Vec3::new(cosine, sine, 1.0)
+        })
+        .collect();
+    assert_eq!(new(z, &star), Err(ConeError::Winding));
+    let text = ConeError::Winding.to_string();
+    assert!(text.contains("more than once"), "{text}");
+}
+
+#[test]
+fn equal_questions_have_equal_answers_and_ties_go_to_the_first_edge() {
+    let cone = octant();
+    let away = -Vec3::ONE.normalize();
+    assert_eq!(cone.nearest(away), cone.nearest(away));
+    assert_eq!(cone.nearest(away), cone.corners()[0]);
+    assert_eq!(cone.visible(), Vec3::ONE.normalize());
+}
