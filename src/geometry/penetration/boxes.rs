@@ -31,6 +31,10 @@ impl Cuboid {
     }
 }
 
+/// Most projections in search of a foot: none are needed when nothing is parallel, few when the feet
+/// are not only corners.
+const PROJECTIONS_MAX: u32 = 8;
+
 /// Which of the fifteen axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
@@ -78,13 +82,13 @@ impl Boxes {
 
     /// How far apart the boxes are, or how deep: exact up to what f64 loses. `None` where no axis of
     /// features decides it: they touch, or their nearest features are two corners, or a corner and an
-    /// edge.
+    /// edge, or features are parallel and no points were found on both.
     #[inline]
     pub(crate) fn core_gap(&self) -> Option<CoreGap> {
         let least = self.least(f64::NEG_INFINITY);
         let noise = NOISE_PART * (self.a.half.element_sum() + self.b.half.element_sum());
         let (on_a, on_b) = if least.depth > 0.0 {
-            self.deepest_points(&least)
+            self.deepest_points(&least, noise)?
         } else {
             self.nearest_points(&least, noise)?
         };
@@ -254,16 +258,23 @@ impl Boxes {
 
     /// Points of both boxes that are the depth apart along the normal: a corner of one and its foot on
     /// the face of the other. Where edges or faces are parallel to that face, the corner is moved along
-    /// them to where it has a foot.
-    fn deepest_points(&self, least: &Least) -> (DVec3, DVec3) {
+    /// them to where it has a foot: by projections from box to box, which `None` says were too few.
+    fn deepest_points(&self, least: &Least, noise: f64) -> Option<(DVec3, DVec3)> {
         let across = least.normal * least.depth;
         let on_b = match least.kind {
-            Kind::Edges(..) => return self.points(least),
+            Kind::Edges(..) => return Some(self.points(least)),
             Kind::FaceA(_) => self.corner_of_b(Self::high_corner_of_b(least.normal)),
             Kind::FaceB(_) => self.points(least).1.clamp(-self.b.half, self.b.half),
         };
-        let on_a = self.in_a(on_b - across);
-        (on_a, (on_a + across).clamp(-self.b.half, self.b.half))
+        let mut on_b = on_b;
+        for _ in 0..PROJECTIONS_MAX {
+            let on_a = self.in_a(on_b - across);
+            on_b = (on_a + across).clamp(-self.b.half, self.b.half);
+            if (on_a + across - on_b).length_squared() <= noise * noise {
+                return Some((on_a, on_b));
+            }
+        }
+        None
     }
 
     /// A corner of B by the ends of its axes.
