@@ -12,7 +12,7 @@
 //! tracker --> 1 couple      where driven things want to be         [`couple`]
 //!             2 pairs       which pieces may touch this frame
 //!             3 contacts    how deep, and the way out
-//!             4 reach       joint angles (not yet: bodies only)
+//!             4 reach       joint angles (not yet a stage)      [`reach`]
 //!             5 advance     along a path that never overlaps
 //!             6 impulses    what the loose objects do
 //!             publish  -->  poses for the host to draw
@@ -74,6 +74,7 @@ mod contacts;
 mod impulses;
 mod pairs;
 mod publish;
+pub mod reach;
 
 pub mod frame;
 pub mod world;

@@ -157,3 +157,9 @@ pub const PIECE_REACH_M: f32 = 1e4;
 
 /// Most edges of a reach cone: Wilhelms and Van Gelder 2001 use 6 to 12 for a shoulder.
 pub const REACH_CONE_EDGES_MAX: usize = 12;
+
+/// Most hinges of one chain: two ball joints, an elbow and a wrist of two are nine.
+pub const CHAIN_HINGES_MAX: usize = 16;
+
+/// Most goals of one chain: four contacts on each of three links.
+pub const CHAIN_GOALS_MAX: usize = 12;

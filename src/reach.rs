@@ -1,0 +1,11 @@
+//! 4 reach: joint angles that take a chain's links where they are allowed to be.
+//!
+//! Two methods share one interface and one unit of work, a step: the paper's cyclic coordinate descent
+//! with mended formulas, and the least deviation from the tracked angles. Nothing here knows about
+//! frames or bodies yet, and no frame calls it: a host may, with goals of its own. Limits of ball joints
+//! are [`crate::geometry::reach_cone`].
+
+pub mod chain;
+pub mod cyclic_descent;
+pub mod goal;
+pub mod least_deviation;

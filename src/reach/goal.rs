@@ -1,0 +1,127 @@
+//! What a chain is asked for: points of links at planes, and the tracked angles.
+
+use arrayvec::ArrayVec;
+use glam::Vec3;
+
+use super::chain::{Hinge, Placed, Posture};
+use crate::limits::CHAIN_HINGES_MAX;
+use crate::math::{self, Pose};
+
+/// A point of a link that is to be on, or on the outer side of, a plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Goal {
+    /// Index of the link: that behind the hinge of the same index.
+    pub link: usize,
+    /// The point in the link's frame, in metres.
+    pub point: Vec3,
+    /// Unit normal of the plane, in the frame of the root's parent.
+    pub normal: Vec3,
+    /// The plane's distance from the origin along the normal, in metres.
+    pub height_m: f32,
+    /// Whether the point is to be on the plane, not beyond it.
+    pub is_exact: bool,
+}
+
+/// Derivatives of a goal's height by the angles, in metres per radian.
+pub(super) type Row = [f32; CHAIN_HINGES_MAX];
+
+impl Goal {
+    /// Three goals that ask for one place.
+    #[must_use]
+    pub fn place(link: usize, point: Vec3, place: Vec3) -> [Self; 3] {
+        Vec3::AXES.map(|normal| Self {
+            link,
+            point,
+            normal,
+            height_m: normal.dot(place),
+            is_exact: true,
+        })
+    }
+
+    /// Where the point is. A link that does not exist stands still at the origin.
+    pub(super) fn at(&self, posture: &Posture) -> Vec3 {
+        posture
+            .get(self.link)
+            .map_or(Vec3::ZERO, |placed| placed.link.point(self.point))
+    }
+
+    /// Height of the point above the plane, in metres.
+    pub(super) fn above_m(&self, posture: &Posture) -> f32 {
+        self.normal.dot(self.at(posture)) - self.height_m
+    }
+
+    /// How far the goal is from met, in metres.
+    #[must_use]
+    pub fn missed_m(&self, posture: &Posture) -> f32 {
+        let above = self.above_m(posture);
+        if self.is_exact {
+            above.abs()
+        } else {
+            math::max(-above, 0.0)
+        }
+    }
+
+    pub(super) fn row(&self, posture: &Posture) -> Row {
+        let at = self.at(posture);
+        let mut row = [0.0; CHAIN_HINGES_MAX];
+        let moving = posture.iter().take(self.link + 1);
+        for (slot, Placed { origin, axis, .. }) in row.iter_mut().zip(moving) {
+            *slot = self.normal.dot(axis.cross(at - *origin));
+        }
+        row
+    }
+}
+
+/// The most that any goal is from met, in metres.
+#[must_use]
+pub fn worst_m(goals: &[Goal], posture: &Posture) -> f32 {
+    goals
+        .iter()
+        .fold(0.0, |worst, goal| math::max(worst, goal.missed_m(posture)))
+}
+
+/// What a chain is to do.
+#[derive(Clone, Copy, Debug)]
+pub struct Task<'a> {
+    /// The chain; at most [`CHAIN_HINGES_MAX`] hinges are used.
+    pub hinges: &'a [Hinge],
+    /// Where the chain begins.
+    pub root: Pose,
+    /// The tracked angles in radians.
+    pub wanted: &'a [f32],
+    /// At most [`crate::limits::CHAIN_GOALS_MAX`] are used.
+    pub goals: &'a [Goal],
+    /// A goal is met when it is missed by no more than this, in metres.
+    pub tolerance_m: f32,
+}
+
+impl Task<'_> {
+    /// Angles to begin with, within the limits.
+    pub(super) fn start(&self, angles: &[f32]) -> Angles {
+        let kept = self.hinges.iter().zip(angles).map(|(h, &q)| h.kept(q));
+        kept.take(Angles::new().capacity()).collect()
+    }
+
+    /// The tracked angles within the limits.
+    pub(super) fn wanted_angles(&self) -> Angles {
+        self.start(self.wanted)
+    }
+
+    /// Half the sum of squared changes from the tracked angles.
+    pub(super) fn deviation(&self, q: &Angles) -> f32 {
+        let change = q.iter().zip(self.wanted).map(|(q, wanted)| q - wanted);
+        change.map(|change| 0.5 * change * change).sum()
+    }
+}
+
+/// How a solver ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reached {
+    /// Steps used.
+    pub steps: u32,
+    /// The most that any goal is from met, in metres.
+    pub missed_m: f32,
+}
+
+/// Angles of a chain.
+pub(super) type Angles = ArrayVec<f32, CHAIN_HINGES_MAX>;
