@@ -53,6 +53,17 @@ fn random_angles(random: &mut Random, hinges: &[Hinge], margin: f64) -> Vec<f32>
     hinges.iter().map(within).collect()
 }
 
+/// Goals of a chain that begins at the origin.
+fn task<'a>(hinges: &'a [Hinge], wanted: &'a [f32], goals: &'a [Goal]) -> Task<'a> {
+    Task {
+        hinges,
+        root: Pose::IDENTITY,
+        wanted,
+        goals,
+        tolerance_m: TOLERANCE_M,
+    }
+}
+
 /// A plane that a point of a random far link is 10 to 80 mm behind.
 fn push(random: &mut Random, hinges: &[Hinge], wanted: &[f32]) -> Goal {
     let link = [3, 4, 6, 6][(random.bits() % 4) as usize];
@@ -144,11 +155,8 @@ fn two_links_reach_the_analytic_angles() {
     for (name, solve) in SOLVERS {
         let wanted = [0.2, 0.8];
         let task = Task {
-            hinges: &hinges,
-            root: Pose::IDENTITY,
-            wanted: &wanted,
-            goals: &goals[..2],
             tolerance_m: 1e-6,
+            ..task(&hinges, &wanted, &goals[..2])
         };
         let mut angles = wanted;
         let found = solve(&task, &mut angles, 400);
@@ -171,13 +179,8 @@ fn pushes_are_solved_in_few_steps_near_the_optimum() {
             continue;
         };
         reachable += 1;
-        let task = Task {
-            hinges: &hinges,
-            root: Pose::IDENTITY,
-            wanted: &wanted,
-            goals: &[goal],
-            tolerance_m: TOLERANCE_M,
-        };
+        let goals = [goal];
+        let task = task(&hinges, &wanted, &goals);
         for (place, (_, solve)) in SOLVERS.into_iter().enumerate() {
             for (column, steps) in [2, 4, 8, 64].into_iter().enumerate() {
                 let mut angles = wanted.clone();
@@ -213,13 +216,8 @@ fn what_touches_nothing_costs_nothing() {
     let wanted = random_angles(&mut random, &hinges, 0.0);
     let mut goal = push(&mut random, &hinges, &wanted);
     goal.height_m -= 0.2;
-    let task = Task {
-        hinges: &hinges,
-        root: Pose::IDENTITY,
-        wanted: &wanted,
-        goals: &[goal],
-        tolerance_m: TOLERANCE_M,
-    };
+    let goals = [goal];
+    let task = task(&hinges, &wanted, &goals);
     for (name, solve) in SOLVERS {
         let mut angles = wanted.clone();
         let found = solve(&task, &mut angles, 8);
@@ -240,13 +238,7 @@ fn out_of_reach_limits_hold_and_nothing_oscillates() {
         let wanted = random_angles(&mut random, &hinges, 0.0);
         let far = [0.0, 0.9, 3.0, 1000.0][round % 4];
         let goals = Goal::place(6, TIP, random.unit().as_vec3() * far);
-        let task = Task {
-            hinges: &hinges,
-            root: Pose::IDENTITY,
-            wanted: &wanted,
-            goals: &goals,
-            tolerance_m: TOLERANCE_M,
-        };
+        let task = task(&hinges, &wanted, &goals);
         for (name, solve) in SOLVERS {
             let mut angles = wanted.clone();
             let first = solve(&task, &mut angles, 0).missed_m;
@@ -280,13 +272,7 @@ fn straight_arms_and_links_without_length_stay_finite() {
     for place in [Vec3::ZERO, Vec3::X * 0.2, Vec3::X * 0.56, Vec3::Z * 0.1] {
         let goals = Goal::place(2, Vec3::X * 0.26, place);
         let wanted = [0.0; 3];
-        let task = Task {
-            hinges: &hinges,
-            root: Pose::IDENTITY,
-            wanted: &wanted,
-            goals: &goals,
-            tolerance_m: TOLERANCE_M,
-        };
+        let task = task(&hinges, &wanted, &goals);
         for (name, solve) in SOLVERS {
             let mut angles = wanted;
             let found = solve(&task, &mut angles, 50);
