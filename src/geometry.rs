@@ -21,5 +21,6 @@ pub mod warm;
 pub mod manifold;
 pub mod union;
 
+pub mod chain;
 pub mod motion;
 pub mod time_of_contact;

@@ -5,7 +5,6 @@
 //! frames or bodies yet, and no frame calls it: a host may, with goals of its own. Limits of ball joints
 //! are [`crate::geometry::reach_cone`].
 
-pub mod chain;
 pub mod cyclic_descent;
 pub mod goal;
 pub mod least_deviation;

@@ -1,8 +1,8 @@
 //! Solvers of chains: analytic cases, the optimum in f64 found another way, limits, rest.
 
 use glam::{DQuat, DVec3, Quat, Vec3};
+use palpable::geometry::chain::{Hinge, posture};
 use palpable::math::Pose;
-use palpable::reach::chain::{Hinge, posture};
 use palpable::reach::cyclic_descent::cyclic_descent;
 use palpable::reach::goal::{Goal, Reached, Task};
 use palpable::reach::least_deviation::least_deviation;
@@ -57,6 +57,7 @@ fn random_angles(random: &mut Random, hinges: &[Hinge], margin: f64) -> Vec<f32>
 fn task<'a>(hinges: &'a [Hinge], wanted: &'a [f32], goals: &'a [Goal]) -> Task<'a> {
     Task {
         hinges,
+        balls: &[],
         root: Pose::IDENTITY,
         wanted,
         goals,
@@ -79,6 +80,7 @@ fn push(random: &mut Random, hinges: &[Hinge], wanted: &[f32]) -> Goal {
         normal,
         height_m,
         is_exact: false,
+        softness: 0.0,
     }
 }
 

@@ -11,8 +11,8 @@
 
 use glam::Vec3;
 
-use super::chain::{Placed, Posture, posture};
 use super::goal::{Angles, Goal, Reached, Task, worst_m};
+use crate::geometry::chain::{Placed, Posture, posture};
 use crate::math;
 
 /// Takes up to `steps` sweeps over the joints, starting from `angles`, which stay within the limits.

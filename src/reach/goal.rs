@@ -3,7 +3,7 @@
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
-use super::chain::{Hinge, Placed, Posture};
+use crate::geometry::chain::{Ball, Hinge, Placed, Posture};
 use crate::limits::CHAIN_HINGES_MAX;
 use crate::math::{self, Pose};
 
@@ -20,6 +20,9 @@ pub struct Goal {
     pub height_m: f32,
     /// Whether the point is to be on the plane, not beyond it.
     pub is_exact: bool,
+    /// What missing it costs: a miss of x metres counts as much as changing the angles by
+    /// x / sqrt(softness) radians. Zero asks without compromise. In m2/rad2.
+    pub softness: f32,
 }
 
 /// Derivatives of a goal's height by the angles, in metres per radian.
@@ -35,6 +38,7 @@ impl Goal {
             normal,
             height_m: normal.dot(place),
             is_exact: true,
+            softness: 0.0,
         })
     }
 
@@ -85,6 +89,8 @@ pub fn worst_m(goals: &[Goal], posture: &Posture) -> f32 {
 pub struct Task<'a> {
     /// The chain; at most [`CHAIN_HINGES_MAX`] hinges are used.
     pub hinges: &'a [Hinge],
+    /// Ball joints of the chain, at most [`CHAIN_HINGES_MAX`] / 3.
+    pub balls: &'a [Ball],
     /// Where the chain begins.
     pub root: Pose,
     /// The tracked angles in radians.

@@ -14,8 +14,8 @@
 
 use arrayvec::ArrayVec;
 
-use super::chain::posture;
 use super::goal::{Angles, Reached, Row, Task, worst_m};
+use crate::geometry::chain::posture;
 use crate::limits::{CHAIN_GOALS_MAX, CHAIN_HINGES_MAX};
 use crate::math;
 

@@ -4,10 +4,11 @@ use arrayvec::ArrayVec;
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 
+use super::reach_cone::ReachCone;
 use crate::limits::CHAIN_HINGES_MAX;
 use crate::math::{self, Pose};
 
-/// A hinge between two links. Ball joints are three hinges in one place.
+/// A hinge between two links. A ball joint is three hinges in one place, see [`Ball`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Hinge {
@@ -28,6 +29,18 @@ impl Hinge {
     pub fn kept(&self, angle_rad: f32) -> f32 {
         math::clamp(angle_rad, self.low_rad, self.high_rad)
     }
+}
+
+/// The reach cone of a ball joint: three hinges in one place with the axes X, Y and Z of one frame, the
+/// first one's rest pose. Z turned by the first two is the limb; the third is its twist.
+///
+/// At angles a and b of the first two the limb is (sin b, -sin a cos b, cos a cos b) in that frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ball {
+    /// Index of the first of the three hinges.
+    pub first: usize,
+    /// Where the limb may point, in the frame of the first hinge's rest.
+    pub cone: ReachCone,
 }
 
 /// Where one hinge and the link behind it are, in the frame of the root's parent.
