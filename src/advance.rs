@@ -1,348 +1,116 @@
-//! 5 advance: moving along a path that never overlaps.
+//! 5 advance: how far along a leg a driven body's pairs stay clear.
 //!
-//! A driven body goes from its last published pose toward where its coupling wants it, as far as
-//! conservative advancement certifies the way clear. Contacts bend the rest of the way: the least
-//! change of the wanted pose that keeps every touching piece outside its contact plane (Gauss's
-//! principle of least constraint; Ortega, Redon and Coquillart 2007, section 4, restricted to
-//! translations as the paper's hand is). Every pose on the way is certified, so the way may be cut
-//! anywhere and is safe.
+//! Conservative advancement from one certified pose to the next: every pose on the way is known to be
+//! safe, so the way may be cut anywhere.
 
-mod slide;
-mod sweep;
-
-use glam::Vec3;
-
-use crate::contacts;
-use crate::frame::FrameReport;
-use crate::frame::budget::Purse;
-use crate::geometry::motion::{Track, interpolate};
-use crate::limits::{
-    ADVANCE_UNITS_MAX, GAP_TOUCHING_M, LEGS_MAX, PAIR_MARGIN_M, ROUNDS_MAX, STILL_M,
-};
-use crate::math::{self, Pose};
-use crate::pairs::{self, BodyTrack, PairsFull};
+use crate::geometry::motion::Motion;
+use crate::geometry::time_of_contact::MovingPair;
+use crate::limits::{GAP_FLOOR_M, STEP_MIN_M};
+use crate::math;
 use crate::state::State;
-use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, Leg};
-use crate::state::pieces::PiecesOf;
+use crate::state::purse::Purse;
+use crate::state::ways::{BodyTrack, piece_motion};
 
-/// Where a driven body is on its way through the frame.
+/// How far a leg was found clear.
 #[derive(Clone, Copy, Debug)]
-struct Position {
-    root: Pose,
-    local: f32,
+pub(crate) struct Swept {
+    /// Share of the leg, 0 to 1.
+    pub reached: f32,
+    /// The budget ended the sweep.
+    pub cut: bool,
 }
 
-/// Where the next leg goes.
-#[derive(Clone, Copy, Debug)]
-struct Plan {
-    goal: Position,
-    /// Contact changed the goal.
-    bent: bool,
-}
-
-/// Moves every driven body as far as its way is clear. Spends at most `units`, one for each
-/// distance query; what it spent.
-pub(crate) fn run(state: &mut State, units: u32, report: &mut FrameReport) -> u32 {
-    let mut left = units;
-    let mut overlaps = 0;
-    for body in 0..state.registers.body_slots as usize {
-        if pairs::is_body_of(state, body, BodyKind::Driven) {
-            let mut purse = Purse::new(left.min(ADVANCE_UNITS_MAX));
-            let flags = advance(state, body, &mut purse);
-            overlaps |= flags & DrivenReport::OVERLAPS;
-            state.bodies.report[body].flags |= flags;
-            report.flags |= frame_flags(flags);
-            left -= purse.spent();
+/// Advances until a pair blocks the way, all are clear to the end, or the budget runs out.
+///
+/// Always takes the pair that is certified for the shortest time and certifies it further, so that
+/// only the pairs that matter are queried, and the body may stop at any time at the least certified
+/// share.
+pub(crate) fn run(state: &mut State, pairs: usize, leg: &BodyTrack, purse: &mut Purse) -> Swept {
+    start(state, pairs, leg);
+    loop {
+        let Some(next) = state.pairs.least_certified(pairs) else {
+            return Swept {
+                reached: 1.0,
+                cut: false,
+            };
+        };
+        let time = state.pairs.list[next].clear_until;
+        if time >= 1.0 {
+            return Swept {
+                reached: 1.0,
+                cut: false,
+            };
+        }
+        if !purse.take() {
+            return Swept {
+                reached: time,
+                cut: true,
+            };
+        }
+        if certify(state, next, leg, time) {
+            return Swept {
+                reached: time,
+                cut: false,
+            };
         }
     }
-    state.registers.disturbed = u32::from(overlaps != 0);
-    units - left
 }
 
-/// What the frame's report says of a body's flags.
-fn frame_flags(flags: u32) -> u32 {
-    let says = |flag: u32, frame: u32| if flags & flag == 0 { 0 } else { frame };
-    says(DrivenReport::CUT, FrameReport::ADVANCE_CUT)
-        | says(DrivenReport::POOL_FULL, FrameReport::FULL_PAIRS)
-        | says(DrivenReport::CONTACTS_FULL, FrameReport::FULL_CONTACTS)
-        | says(DrivenReport::OVERLAPS, FrameReport::OVERLAP)
-}
-
-/// Puts a detached body at its tracker when its coupling says so and nothing is in the way there.
-fn snap(state: &mut State, body: usize, purse: &mut Purse) -> Option<u32> {
-    let coupling = state.bodies.coupling[body];
-    let away = math::length(state.bodies.displacement[body].offset);
-    if coupling.snap != Coupling::SNAP_WHEN_FREE || away <= coupling.divergence_m {
-        return None;
+/// What is known of the gaps, as shares of this leg.
+fn start(state: &mut State, pairs: usize, leg: &BodyTrack) {
+    for index in 0..pairs {
+        let pair = state.pairs.list[index];
+        let motion = piece_motion(state, pair.a as usize, leg);
+        let slack = pair.gap - GAP_FLOOR_M;
+        let until = if slack > 0.0 {
+            math::min(slack / math::max(motion.way_m(), 1e-30), 1.0)
+        } else {
+            0.0
+        };
+        let pair = &mut state.pairs.list[index];
+        pair.clear_until = until;
+        pair.gap_time = 0.0;
     }
-    let target = Position {
-        root: state.bodies.tracker[body].target,
-        local: 1.0,
+}
+
+/// Certifies a pair beyond `time`; true when it cannot be, so that it blocks the way.
+fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool {
+    let pair = state.pairs.list[index];
+    let (a, b) = (pair.a as usize, pair.b as usize);
+    let motion = piece_motion(state, a, leg);
+    let moving = MovingPair {
+        a: state.pools.convex(&state.pieces.shape[a]),
+        b: state.pools.convex(&state.pieces.shape[b]),
+        motion_a: motion,
+        motion_b: Motion::still(state.pieces.world[b]),
     };
-    let count = pairs::collect_driven(state, body, &track(&target, &target)).ok()?;
-    let measured = sweep::measure_touching(state, count, &target, purse);
-    let free = measured && !sweep::touches_any(state, count) && !pairs::loose_near(state, body);
-    if !free {
-        return None;
-    }
-    state.bodies.displacement[body] = Displacement::default();
-    state.legs.wanted[body] = target.root;
-    push_leg(state, body, &target, &target, 1.0);
-    Some(0)
+    let mut feature = pair.feature;
+    let found = moving.clear_until(time, GAP_FLOOR_M, &mut feature, 0.0);
+    let pair = &mut state.pairs.list[index];
+    pair.feature = feature;
+    pair.gap = found.gap_m;
+    pair.gap_time = time;
+    pair.normal = found.normal;
+    pair.point = found.point;
+    pair.clear_until = math::max(time, found.clear_until);
+    let gained = (pair.clear_until - time) * motion.way_m();
+    pair.clear_until < 1.0 && gained < STEP_MIN_M
 }
 
-/// Plans and walks the legs of one body's way; the flags to report.
-fn advance(state: &mut State, body: usize, purse: &mut Purse) -> u32 {
-    let start = Position {
-        root: state.bodies.pose[body],
-        local: 0.0,
-    };
-    let wanted = Position {
-        root: state.legs.wanted[body],
-        local: 1.0,
-    };
-    let rests = start.root == wanted.root && locals_rest(state, body);
-    if rests && state.registers.disturbed == 0 {
-        return 0;
-    }
-    if let Some(flags) = snap(state, body, purse) {
-        return flags;
-    }
-    match walk(state, body, start, wanted, purse) {
-        Ok(flags) => flags,
-        Err(PairsFull) => {
-            state.legs.count[body] = 0;
-            DrivenReport::POOL_FULL | DrivenReport::HELD
+/// Carries what is known of the gaps over to the next leg, which starts at share `reached` of this
+/// one: the pair that blocked was measured right there, the others have at least what the motion
+/// leaves them.
+pub(crate) fn carry_over(state: &mut State, pairs: usize, leg: &BodyTrack, reached: f32) {
+    for index in 0..pairs {
+        let pair = state.pairs.list[index];
+        let motion = piece_motion(state, pair.a as usize, leg);
+        let moved = (reached - pair.gap_time) * motion.way_m();
+        let pair = &mut state.pairs.list[index];
+        if moved != 0.0 {
+            pair.gap -= moved.abs();
+            pair.measured = 0;
+        } else {
+            pair.measured = u32::from(pair.normal != glam::Vec3::ZERO);
         }
     }
-}
-
-fn locals_rest(state: &State, body: usize) -> bool {
-    let pieces = &state.pieces;
-    PiecesOf::new(pieces.next, state.bodies.first_piece[body])
-        .all(|piece| pieces.local[piece] == pieces.local_target[piece])
-}
-
-fn walk(
-    state: &mut State,
-    body: usize,
-    start: Position,
-    wanted: Position,
-    purse: &mut Purse,
-) -> Result<u32, PairsFull> {
-    let pairs = pairs::collect_driven(state, body, &track(&start, &wanted))?;
-    if pairs == 0 {
-        push_leg(state, body, &start, &wanted, 1.0);
-        return Ok(0);
-    }
-    let mut walk = Walk {
-        body,
-        at: start,
-        wanted,
-        pairs,
-        covered: Cover::between(&start, &wanted),
-        flags: 0,
-        keep_turn: false,
-    };
-    walk.leave_overlap(state, purse)?;
-    for _ in 0..ROUNDS_MAX {
-        let has_room = (state.legs.count[body] as usize) < LEGS_MAX;
-        if !has_room || walk.leg(state, purse)? == Next::Done {
-            break;
-        }
-    }
-    if !sweep::record(state, walk.pairs) {
-        walk.flags |= DrivenReport::CONTACTS_FULL;
-    }
-    Ok(walk.flags | held(state, body))
-}
-
-/// A body on its way.
-struct Walk {
-    body: usize,
-    at: Position,
-    wanted: Position,
-    /// How many pairs there are, and the ways that they suffice for.
-    pairs: usize,
-    covered: Cover,
-    flags: u32,
-    /// The turn and the local poses were in the way at once: bend the translation alone.
-    keep_turn: bool,
-}
-
-/// Whether another leg may gain something.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Next {
-    Leg,
-    Done,
-}
-
-impl Walk {
-    /// Gets out of overlap that the host made.
-    fn leave_overlap(&mut self, state: &mut State, purse: &mut Purse) -> Result<(), PairsFull> {
-        let measured = sweep::measure_touching(state, self.pairs, &self.at, purse);
-        if !measured || !sweep::overlaps(state, self.pairs) {
-            return Ok(());
-        }
-        self.flags |= DrivenReport::OVERLAPS;
-        if let Some(root) = contacts::way_out(state, self.pairs, &self.at.root, purse) {
-            let local = self.at.local;
-            self.at = push_leg(state, self.body, &self.at, &Position { root, local }, 1.0);
-            self.collect(state, &self.wanted.clone())?;
-        }
-        Ok(())
-    }
-
-    fn collect(&mut self, state: &mut State, goal: &Position) -> Result<(), PairsFull> {
-        self.pairs = pairs::collect_driven(state, self.body, &track(&self.at, goal))?;
-        self.covered = Cover::between(&self.at, goal);
-        Ok(())
-    }
-
-    /// Measures what touches where the body is; false when the units ran out.
-    fn measure(&mut self, state: &mut State, purse: &mut Purse) -> bool {
-        let measured = sweep::measure_touching(state, self.pairs, &self.at, purse);
-        if !measured {
-            self.flags |= DrivenReport::CUT;
-        }
-        measured
-    }
-
-    /// Plans a leg along the contacts and walks as much of it as is clear.
-    fn leg(&mut self, state: &mut State, purse: &mut Purse) -> Result<Next, PairsFull> {
-        if !self.measure(state, purse) {
-            return Ok(Next::Done);
-        }
-        sweep::mark_touching(state, self.pairs);
-        let plan = slide::plan(state, self.pairs, &self.at, &self.wanted, self.keep_turn);
-        if !self.covered.holds(&self.at, &plan.goal) {
-            self.collect(state, &plan.goal)?;
-            if !self.measure(state, purse) {
-                return Ok(Next::Done);
-            }
-        }
-        if plan.bent {
-            self.flags |= DrivenReport::TOUCHING;
-        }
-        Ok(self.sweep(state, &plan, purse))
-    }
-
-    /// Walks a planned leg as far as it is clear and worth a step.
-    fn sweep(&mut self, state: &mut State, plan: &Plan, purse: &mut Purse) -> Next {
-        let leg = track(&self.at, &plan.goal);
-        let way = way_m(state, self.body, &leg);
-        if plan.bent && way < STILL_M {
-            return Next::Done;
-        }
-        let swept = sweep::run(state, self.pairs, &leg, purse);
-        let taken = swept.reached >= 1.0 || swept.reached * way >= STILL_M;
-        if taken {
-            self.at = push_leg(state, self.body, &self.at, &plan.goal, swept.reached);
-        }
-        sweep::carry_over(
-            state,
-            self.pairs,
-            &leg,
-            if taken { swept.reached } else { 0.0 },
-        );
-        if swept.cut {
-            self.flags |= DrivenReport::CUT;
-        }
-        if swept.cut || swept.reached >= 1.0 {
-            return Next::Done;
-        }
-        self.flags |= DrivenReport::TOUCHING;
-        self.keep_turn = !taken && plan.bent;
-        Next::Leg
-    }
-}
-
-fn held(state: &State, body: usize) -> u32 {
-    if state.legs.count[body] == 0 {
-        DrivenReport::HELD
-    } else {
-        0
-    }
-}
-
-fn track(from: &Position, to: &Position) -> BodyTrack {
-    BodyTrack {
-        root: Track::between(from.root, to.root),
-        local_from: from.local,
-        local_to: to.local,
-    }
-}
-
-/// The longest way of any point of the body.
-fn way_m(state: &State, body: usize, leg: &BodyTrack) -> f32 {
-    let mut way = 0.0;
-    for piece in PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]) {
-        way = math::max(way, pairs::piece_motion(state, piece, leg).way_m());
-    }
-    way
-}
-
-/// Adds a leg and gives where it ends. Time is shared out as if the body covered each leg's whole
-/// length in what was left of the frame.
-fn push_leg(
-    state: &mut State,
-    body: usize,
-    from: &Position,
-    goal: &Position,
-    reached: f32,
-) -> Position {
-    let begun = state.legs.of(body).last().map_or(0.0, |leg| leg.end_time);
-    state.legs.push(
-        body,
-        Leg {
-            from: from.root,
-            to: goal.root,
-            local_from: from.local,
-            local_to: goal.local,
-            reached,
-            end_time: if reached >= 1.0 {
-                1.0
-            } else {
-                begun + (1.0 - begun) * reached
-            },
-        },
-    );
-    let local = if reached >= 1.0 {
-        goal.local
-    } else {
-        from.local + (goal.local - from.local) * reached
-    };
-    state.legs.local_share[body] = local;
-    Position {
-        root: interpolate(&from.root, &goal.root, reached),
-        local,
-    }
-}
-
-/// Ways for which the pairs at hand are all there can be.
-struct Cover {
-    low: Vec3,
-    high: Vec3,
-}
-
-impl Cover {
-    fn between(at: &Position, goal: &Position) -> Self {
-        let (from, to) = (at.root.translation(), goal.root.translation());
-        Self {
-            low: math::min_each(from, to) - Vec3::splat(PAIR_MARGIN_M),
-            high: math::max_each(from, to) + Vec3::splat(PAIR_MARGIN_M),
-        }
-    }
-
-    /// Whether the boxes that were paired hold this way too: turn and local poses lie between those
-    /// that were swept, so only the root's translation can leave them.
-    fn holds(&self, at: &Position, goal: &Position) -> bool {
-        let inside = |p: Vec3| p.cmpge(self.low).all() && p.cmple(self.high).all();
-        inside(at.root.translation()) && inside(goal.root.translation())
-    }
-}
-
-/// Whether a gap counts as contact.
-fn touches(gap: f32) -> bool {
-    gap <= GAP_TOUCHING_M
 }

@@ -8,15 +8,17 @@
 
 use arrayvec::ArrayVec;
 
-use crate::frame::budget::Purse;
-use crate::geometry::separation::separation;
+use crate::geometry::separation::{separation, separation_from};
 use crate::geometry::union::{
     NODES_USUAL, UNION_PAIRS_MAX, UnionPair, UnionScratch, least_translation,
 };
-use crate::limits::GAP_REST_M;
+use crate::limits::{GAP_REST_M, GAP_TOUCHING_M};
 use crate::math::Pose;
 use crate::state::State;
-use crate::state::contacts::Pair;
+use crate::state::contacts::{self, ContactPoint, Pair};
+use crate::state::pieces::Bounds;
+use crate::state::purse::Purse;
+use crate::state::ways::{BodyTrack, Position, piece_motion};
 
 /// Where a driven body at `root` that overlaps fixed pieces gets clear of them; `None` when no way out
 /// was found and verified.
@@ -47,7 +49,7 @@ fn deepest_gap(state: &State, pairs: usize, root: &Pose, purse: &mut Purse) -> O
         let (a, b) = (pair.a as usize, pair.b as usize);
         let pose = pose_of(state, pair, root);
         let shape = &state.pieces.shape[a];
-        let bounds = crate::state::pieces::Bounds::of(shape, &pose);
+        let bounds = Bounds::of(shape, &pose);
         if bounds.gap(&state.pieces.bounds[b]) >= 0.0 {
             continue;
         }
@@ -83,4 +85,97 @@ fn search(state: &State, pairs: usize, root: &Pose) -> Option<Pose> {
     let mut scratch = UnionScratch::new();
     let found = least_translation(&listed, GAP_REST_M, NODES_USUAL, &mut scratch);
     found.verified.then(|| root.moved(found.offset))
+}
+
+/// Measures, at the leg's start, every pair that may be in contact there. False when the budget ran
+/// out.
+///
+/// The boxes tell most pairs apart without a query.
+pub(crate) fn measure_touching(
+    state: &mut State,
+    pairs: usize,
+    at: &Position,
+    purse: &mut Purse,
+) -> bool {
+    let still = BodyTrack::still(at.root, at.local);
+    for index in 0..pairs {
+        let pair = state.pairs.list[index];
+        if pair.measured == 1 || !touches(pair.gap) {
+            continue;
+        }
+        let (a, b) = (pair.a as usize, pair.b as usize);
+        let pose = piece_motion(state, a, &still).at(0.0);
+        let bounds = Bounds::of(&state.pieces.shape[a], &pose);
+        let apart = bounds.gap(&state.pieces.bounds[b]);
+        let pair = &mut state.pairs.list[index];
+        pair.gap_time = 0.0;
+        if !touches(apart) {
+            pair.gap = apart;
+            continue;
+        }
+        if !purse.take() {
+            return false;
+        }
+        let found = separation_from(
+            &state.pools.convex(&state.pieces.shape[a]),
+            &state.pools.convex(&state.pieces.shape[b]),
+            &pose,
+            &state.pieces.world[b],
+            &mut pair.feature,
+            0.0,
+        );
+        pair.gap = found.gap_m;
+        pair.normal = found.normal;
+        pair.point = 0.5 * (found.point_a + found.point_b);
+        pair.measured = 1;
+    }
+    true
+}
+
+/// Notes which pairs are in contact where the next leg starts.
+pub(crate) fn mark_touching(state: &mut State, pairs: usize) {
+    for pair in &mut state.pairs.list[..pairs] {
+        pair.bends = u32::from(pair.measured == 1 && touches(pair.gap));
+        pair.bending_gap = pair.gap;
+    }
+}
+
+/// Writes the contacts that the last leg met where the host can read them; false when there was no room
+/// for all.
+pub(crate) fn record(state: &mut State, pairs: usize) -> bool {
+    let mut all = true;
+    for index in 0..pairs {
+        let pair = state.pairs.list[index];
+        if pair.bends == 1 {
+            let point = ContactPoint {
+                piece_a: state.pieces.id(pair.a),
+                piece_b: state.pieces.id(pair.b),
+                point: pair.point.to_array(),
+                normal: pair.normal.to_array(),
+                gap_m: pair.bending_gap,
+                impulse_n_s: 0.0,
+            };
+            all &= contacts::add(state, point);
+        }
+    }
+    all
+}
+
+/// Whether a measured pair overlaps.
+pub(crate) fn overlaps(state: &State, pairs: usize) -> bool {
+    state.pairs.list[..pairs]
+        .iter()
+        .any(|pair| pair.measured == 1 && pair.gap < 0.0)
+}
+
+/// Whether a measured pair is in contact.
+pub(crate) fn touches_any(state: &State, pairs: usize) -> bool {
+    state.pairs.list[..pairs]
+        .iter()
+        .any(|pair| pair.measured == 1 && touches(pair.gap))
+}
+
+/// Whether a gap counts as contact.
+fn touches(gap: f32) -> bool {
+    gap <= GAP_TOUCHING_M
 }

@@ -9,7 +9,7 @@
 use glam::Vec3;
 
 use crate::limits::{DISPLACEMENT_MIN, DISPLACEMENT_RATE_MIN};
-use crate::math::{self, Pose};
+use crate::math::{self, Pose, displacement_of};
 use crate::memory::ids::is_alive;
 use crate::state::State;
 use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, Tracker};
@@ -181,15 +181,4 @@ fn displaced(target: &Pose, displacement: &Displacement) -> Pose {
         math::renormalised(math::quat_from_rotation_vector(displacement.rotation) * target.quat())
     };
     Pose::new(turned, target.translation() + displacement.offset)
-}
-
-/// How far `pose` is from the target.
-pub(crate) fn displacement_of(target: &Pose, pose: &Pose) -> (Vec3, Vec3) {
-    let offset = pose.translation() - target.translation();
-    let rotation = if pose.rotation == target.rotation {
-        Vec3::ZERO
-    } else {
-        math::rotation_vector(pose.quat() * target.quat().conjugate())
-    };
-    (offset, rotation)
 }

@@ -10,7 +10,7 @@ pub use report::FrameReport;
 
 use crate::limits::{FRAME_S_MAX, FRAME_S_MIN};
 use crate::state::State;
-use crate::{advance, couple, impulses, publish};
+use crate::{couple, driven, impulses, publish};
 
 /// The stages of a frame, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +40,7 @@ pub(crate) fn step(state: &mut State, input: &FrameInput) -> FrameReport {
     };
     state.registers.contacts = 0;
     couple::run(state, dt_s);
-    report.advance_units = advance::run(state, input.budget.advance_units, &mut report);
+    report.advance_units = driven::run(state, input.budget.advance_units, &mut report);
     impulses::run(state, dt_s, input.budget.impulse_units, &mut report);
     publish::run(state);
     state.registers.frame += 1;

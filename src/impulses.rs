@@ -15,12 +15,11 @@ mod sweep;
 use glam::Vec3;
 
 use crate::frame::FrameReport;
-use crate::frame::budget::Purse;
 use crate::limits::{EVENTS_MAX, IMPULSE_UNITS_MAX, SLEEP_S, STALLS_MAX, STILL_SPEED};
 use crate::math;
-use crate::pairs::is_body_of;
 use crate::state::State;
-use crate::state::bodies::BodyKind;
+use crate::state::bodies::{BodyKind, is_body_of};
+use crate::state::purse::Purse;
 
 /// A stretch of the frame: shares of the frame, and its length in seconds.
 #[derive(Clone, Copy, Debug)]

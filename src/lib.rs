@@ -12,7 +12,7 @@
 //! tracker --> 1 couple      where driven things want to be         [`couple`]
 //!             2 pairs       which pieces may touch this frame
 //!             3 contacts    how deep, and the way out
-//!             4 reach       joint angles (not yet a stage)      [`reach`]
+//!             4 reach       a way around the contacts            [`reach`]
 //!             5 advance     along a path that never overlaps
 //!             6 impulses    what the loose objects do
 //!             publish  -->  poses for the host to draw
@@ -71,6 +71,7 @@ pub mod couple;
 
 mod advance;
 mod contacts;
+mod driven;
 mod impulses;
 mod pairs;
 mod publish;

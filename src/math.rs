@@ -301,3 +301,16 @@ pub fn min_each(a: Vec3, b: Vec3) -> Vec3 {
 pub fn max_each(a: Vec3, b: Vec3) -> Vec3 {
     Vec3::new(max(a.x, b.x), max(a.y, b.y), max(a.z, b.z))
 }
+
+/// How far `pose` is from `target`: an offset in metres and a rotation vector in the world, which is
+/// exactly zero where the rotations are equal.
+#[must_use]
+pub fn displacement_of(target: &Pose, pose: &Pose) -> (Vec3, Vec3) {
+    let offset = pose.translation() - target.translation();
+    let rotation = if pose.rotation == target.rotation {
+        Vec3::ZERO
+    } else {
+        rotation_vector(pose.quat() * target.quat().conjugate())
+    };
+    (offset, rotation)
+}

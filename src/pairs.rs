@@ -6,59 +6,13 @@
 
 use core::ops::Range;
 
-use crate::geometry::motion::{Motion, Track};
-use crate::geometry::warm::WarmFeature;
 use crate::limits::PAIR_MARGIN_M;
-use crate::math::{self, Pose};
-use crate::memory::ids::is_alive;
+use crate::math;
 use crate::state::State;
 use crate::state::bodies::BodyKind;
-use crate::state::contacts::Pair;
+use crate::state::contacts::{PairsFull, push};
 use crate::state::pieces::{Bounds, PiecesOf};
-
-/// There was no room for all pairs: raise [`crate::memory::Capacities::pairs`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct PairsFull;
-
-/// How a body's root and its pieces' local poses move.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BodyTrack {
-    pub root: Track,
-    /// Shares of the way from the published to the target local poses.
-    pub local_from: f32,
-    pub local_to: f32,
-}
-
-impl BodyTrack {
-    pub(crate) fn still(pose: Pose, local: f32) -> Self {
-        Self {
-            root: Track::still(pose),
-            local_from: local,
-            local_to: local,
-        }
-    }
-}
-
-/// The motion of one piece of a body that moves so.
-pub(crate) fn piece_motion(state: &State, piece: usize, track: &BodyTrack) -> Motion {
-    let pieces = &state.pieces;
-    let shape = &state.pieces.shape[piece];
-    let local = Track {
-        from: pieces.local[piece],
-        to: pieces.local_target[piece],
-        start: track.local_from,
-        end: track.local_to,
-    };
-    Motion::new(track.root, local, shape.core_reach())
-}
-
-/// A box around a piece's whole way.
-pub(crate) fn swept_bounds(state: &State, piece: usize, motion: &Motion) -> Bounds {
-    let shape = &state.pieces.shape[piece];
-    Bounds::of(shape, &motion.at(0.0))
-        .union(Bounds::of(shape, &motion.at(1.0)))
-        .grown(motion.bulge_m())
-}
+use crate::state::ways::{BodyTrack, piece_motion, swept_bounds};
 
 /// A box around everything a driven body can touch on a way, from its reach about its root alone.
 fn whole_bounds(state: &State, body: usize, track: &BodyTrack) -> Bounds {
@@ -132,36 +86,4 @@ pub(crate) fn loose_near(state: &State, body: usize) -> bool {
         state.pieces.body_kind[piece] == BodyKind::Dynamic.code()
             && state.pieces.bounds[piece].overlaps(&whole)
     })
-}
-
-/// Adds a pair of which nothing is known yet.
-pub(crate) fn push(
-    state: &mut State,
-    count: &mut usize,
-    a: usize,
-    b: usize,
-) -> Result<(), PairsFull> {
-    let slot = state.pairs.list.get_mut(*count).ok_or(PairsFull)?;
-    *slot = Pair {
-        a: a as u32,
-        b: b as u32,
-        gap: 0.0,
-        gap_time: 0.0,
-        clear_until: 0.0,
-        normal: glam::Vec3::ZERO,
-        feature: WarmFeature::new(),
-        point: glam::Vec3::ZERO,
-        bends: 0,
-        bending_gap: 0.0,
-        measured: 0,
-    };
-    *count += 1;
-    let mark = &mut state.registers.high_water.pairs;
-    *mark = (*mark).max(*count as u32);
-    Ok(())
-}
-
-/// Bodies of one kind that are in use, in the order of their slots.
-pub(crate) fn is_body_of(state: &State, body: usize, kind: BodyKind) -> bool {
-    is_alive(state.bodies.generation[body]) && state.bodies.kind[body] == kind.code()
 }

@@ -1,12 +1,11 @@
 //! Publish: poses for the host to draw.
 
-use crate::couple::displacement_of;
 use crate::geometry::motion::interpolate;
-use crate::math::{self, Pose};
-use crate::pairs::is_body_of;
+use crate::math::{self, displacement_of};
 use crate::state::State;
-use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, Leg};
+use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, is_body_of};
 use crate::state::pieces::{Bounds, PiecesOf};
+use crate::state::ways::driven_at;
 use glam::Vec3;
 
 /// Writes the published poses of everything that moved.
@@ -20,30 +19,6 @@ pub(crate) fn run(state: &mut State) {
             place_pieces(state, body);
         }
     }
-}
-
-/// Where a driven body is at a share of the frame: its root, and the share of its pieces' way.
-pub(crate) fn driven_at(legs: &[Leg], start: &Pose, time: f32) -> (Pose, f32) {
-    let mut begun = 0.0;
-    let mut last = (*start, 0.0);
-    for leg in legs {
-        if time < leg.end_time {
-            let part = (time - begun) / (leg.end_time - begun);
-            let share = leg.reached * part;
-            return (
-                interpolate(&leg.from, &leg.to, share),
-                leg.local_from + (leg.local_to - leg.local_from) * share,
-            );
-        }
-        begun = leg.end_time;
-        let local = if leg.reached >= 1.0 {
-            leg.local_to
-        } else {
-            leg.local_from + (leg.local_to - leg.local_from) * leg.reached
-        };
-        last = (interpolate(&leg.from, &leg.to, leg.reached), local);
-    }
-    last
 }
 
 fn publish_driven(state: &mut State, body: usize) {

@@ -8,3 +8,16 @@
 pub mod cyclic_descent;
 pub mod goal;
 pub mod least_deviation;
+mod root;
+
+pub(crate) use root::plan;
+
+use crate::state::ways::Position;
+
+/// Where the next leg goes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plan {
+    pub goal: Position,
+    /// Contact changed the goal.
+    pub bent: bool,
+}

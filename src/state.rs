@@ -4,6 +4,8 @@ pub mod bodies;
 pub mod contacts;
 pub mod materials;
 pub mod pieces;
+pub(crate) mod purse;
+pub(crate) mod ways;
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -13,10 +15,11 @@ use crate::memory::columns::{Uncut, column_bytes};
 use crate::memory::hash::StateHash;
 use crate::memory::header::Header;
 
-use bodies::{Bodies, Legs};
+use bodies::Bodies;
 use contacts::{ContactPoints, Pairs};
 use materials::{BUILT_IN_MATERIALS, Materials};
 use pieces::{Pieces, Pools};
+use ways::Legs;
 
 /// The few numbers of a world that are not a column.
 #[repr(C)]

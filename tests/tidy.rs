@@ -11,32 +11,7 @@ const STAGES: [&str; 7] = [
 /// Stages that still take something from another one or from the frame above them: who, from whom,
 /// what, and why. Each line is a debt; the aim is none.
 const BETWEEN_STAGES: &[(&str, &str, &str)] = &[
-    // The pair list and the tracks belong to state, the swept boxes to geometry.
-    (
-        "advance",
-        "pairs",
-        "collects its own pairs for each bent way",
-    ),
-    ("impulses", "pairs", "collects its own pairs for each event"),
-    ("publish", "pairs", "asks for bodies of a kind"),
-    // Measuring pairs is a question about geometry.
-    ("advance", "contacts", "measures its pairs for each leg"),
-    // Units are the frame's.
-    ("contacts", "frame", "spends from the purse"),
-    // Where a leg is at a time is a question about state.
-    (
-        "impulses",
-        "publish",
-        "asks where a driven body is on its legs",
-    ),
-    // The displacement of a pose from a target is a question about poses.
-    (
-        "publish",
-        "couple",
-        "measures the displacement that is left",
-    ),
-    // Both fill in the frame's report.
-    ("advance", "frame", "sets flags of the report"),
+    // Flags and sums of a frame are the frame's.
     ("impulses", "frame", "sets flags of the report"),
 ];
 

@@ -6,11 +6,10 @@ use super::Stretch;
 use crate::geometry::motion::{Motion, Track};
 use crate::limits::{LOOSE_MARGIN_M, SPEED_MAX, SPIN_MAX, WORLD_REACH_M};
 use crate::math::{self, Pose};
-use crate::pairs::{self, BodyTrack, is_body_of};
-use crate::publish::driven_at;
 use crate::state::State;
-use crate::state::bodies::BodyKind;
+use crate::state::bodies::{BodyKind, is_body_of};
 use crate::state::pieces::{Bounds, PiecesOf};
+use crate::state::ways::{BodyTrack, driven_at, piece_motion};
 
 /// Angular velocity of a dynamic body in the world, in rad/s.
 pub(super) fn spin(state: &State, body: usize) -> Vec3 {
@@ -79,7 +78,7 @@ pub(super) fn motion(state: &State, piece: usize, stretch: &Stretch) -> Motion {
     if kind == BodyKind::Dynamic.code() {
         dynamic_motion(state, piece, body, stretch)
     } else if kind == BodyKind::Driven.code() {
-        pairs::piece_motion(state, piece, &driven_track(state, body, stretch))
+        piece_motion(state, piece, &driven_track(state, body, stretch))
     } else {
         Motion::still(state.pieces.world[piece])
     }

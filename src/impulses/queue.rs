@@ -1,9 +1,9 @@
 //! The order of impulses: the contact whose normal velocity is most wrong first, ties by index.
 
 use super::solve::{push, relative_velocity};
-use crate::frame::budget::Purse;
 use crate::limits::{APPROACH_MIN, IMPULSES_PER_CONTACT_MAX};
 use crate::state::State;
+use crate::state::purse::Purse;
 use glam::Vec3;
 
 /// Applies impulses until no contact approaches, all have had their share, or the units run out;

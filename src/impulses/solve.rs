@@ -8,7 +8,6 @@ use super::Stretch;
 use super::movers::{centre_pose, is_stopped, spin};
 use super::sweep::{measure, prescribed};
 use crate::frame::FrameReport;
-use crate::frame::budget::Purse;
 use crate::geometry::manifold::Contact;
 use crate::limits::{
     APPROACH_MIN, BOUNCE_MIN, GAP_FLOOR_M, GAP_RESTORED, LOOSE_BAND_M, LOOSE_REST_M,
@@ -18,6 +17,7 @@ use crate::math;
 use crate::state::State;
 use crate::state::bodies::BodyKind;
 use crate::state::contacts::{Constraint, ContactPoint, Pair};
+use crate::state::purse::Purse;
 
 /// Finds the contacts of all pairs at the start of a stretch; how many constraints there are, `None`
 /// when the units ran out.

@@ -5,7 +5,6 @@ use glam::Vec3;
 
 use super::Stretch;
 use super::movers::{is_stopped, motion};
-use crate::frame::budget::Purse;
 use crate::geometry::manifold::{Contact, manifold};
 use crate::geometry::motion::Track;
 use crate::geometry::separation::core_gap_from;
@@ -15,18 +14,19 @@ use crate::limits::{
     PAIR_MARGIN_M,
 };
 use crate::math::{self, Pose};
-use crate::pairs::{self, BodyTrack};
 use crate::state::State;
-use crate::state::bodies::{BodyKind, Leg};
-use crate::state::contacts::Pair;
+use crate::state::bodies::BodyKind;
+use crate::state::contacts::{self, Pair};
 use crate::state::pieces::Bounds;
+use crate::state::purse::Purse;
+use crate::state::ways::{self, BodyTrack, Leg};
 
 /// A box around a piece's whole way through a stretch.
 pub(super) fn swept_bounds(state: &State, piece: usize, stretch: &Stretch) -> Bounds {
     if state.pieces.body_kind[piece] == BodyKind::Fixed.code() {
         return state.pieces.bounds[piece];
     }
-    pairs::swept_bounds(state, piece, &motion(state, piece, stretch))
+    ways::swept_bounds(state, piece, &motion(state, piece, stretch))
 }
 
 /// Boxes around the ways of all pieces that are not loose, through the whole frame: they do not change
@@ -51,10 +51,10 @@ fn driven_bounds(state: &State, piece: usize) -> Bounds {
     let mut bounds = state.pieces.bounds[piece];
     for leg in state.legs.of(body) {
         let track = leg_track(leg);
-        bounds = bounds.union(pairs::swept_bounds(
+        bounds = bounds.union(ways::swept_bounds(
             state,
             piece,
-            &pairs::piece_motion(state, piece, &track),
+            &ways::piece_motion(state, piece, &track),
         ));
     }
     bounds
@@ -105,7 +105,7 @@ fn collect(state: &mut State) -> Option<usize> {
         if is_loose(state, a) {
             for b in 0..slots {
                 if may_touch(state, a, b) {
-                    pairs::push(state, &mut count, a, b).ok()?;
+                    contacts::push(state, &mut count, a, b).ok()?;
                 }
             }
         }

@@ -3,10 +3,10 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Quat, Vec3};
 
-use crate::limits::LEGS_MAX;
 use crate::math::Pose;
 use crate::memory::columns::columns;
-use crate::state::pieces::Bounds;
+use crate::memory::ids::is_alive;
+use crate::state::State;
 
 /// What moves a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -208,53 +208,7 @@ columns! {
     }
 }
 
-/// One straight part of a driven body's way through a frame.
-///
-/// The root goes from `from` toward `to` (positions linearly, orientations by normalised linear
-/// interpolation) as far as `reached`; the pieces' local poses go from `local_from` to `local_to`,
-/// both measured as a share of the way from the frame's first to its last local poses.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(crate) struct Leg {
-    pub from: Pose,
-    pub to: Pose,
-    pub local_from: f32,
-    pub local_to: f32,
-    /// Share of this leg that was found clear.
-    pub reached: f32,
-    /// Share of the frame at which the leg ends; it starts where the one before ends.
-    pub end_time: f32,
-}
-
-columns! {
-    /// Ways of driven bodies: scratch of one frame.
-    pub(crate) struct Legs(capacities) {
-        /// [`LEGS_MAX`] for every body slot.
-        legs: [Leg; capacities.bodies * LEGS_MAX as u32],
-        count: [u32; capacities.bodies],
-        /// Where the coupling wants the body.
-        wanted: [Pose; capacities.bodies],
-        /// Share of the way to the target local poses that the body has gone.
-        local_share: [f32; capacities.bodies],
-        /// A box around everything the body can touch on its way.
-        whole: [Bounds; capacities.bodies],
-        /// Share of the frame at which a loose object stopped the body; 1 when none did.
-        stop_time: [f32; capacities.bodies],
-    }
-}
-
-impl Legs<'_> {
-    /// The legs of a body, in order.
-    pub(crate) fn of(&self, body: usize) -> &[Leg] {
-        let first = body * LEGS_MAX;
-        &self.legs[first..first + self.count[body] as usize]
-    }
-
-    /// Adds a leg; there is room by construction.
-    pub(crate) fn push(&mut self, body: usize, leg: Leg) {
-        let count = self.count[body] as usize;
-        debug_assert!(count < LEGS_MAX);
-        self.legs[body * LEGS_MAX + count] = leg;
-        self.count[body] += 1;
-    }
+/// Whether a slot holds a body of a kind.
+pub(crate) fn is_body_of(state: &State, body: usize, kind: BodyKind) -> bool {
+    is_alive(state.bodies.generation[body]) && state.bodies.kind[body] == kind.code()
 }

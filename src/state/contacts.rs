@@ -124,3 +124,34 @@ pub(crate) fn add(state: &mut State, point: ContactPoint) -> bool {
     *mark = (*mark).max(state.registers.contacts);
     true
 }
+
+/// There was no room for all pairs: raise [`crate::memory::Capacities::pairs`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PairsFull;
+
+/// Adds a pair of which nothing is known yet.
+pub(crate) fn push(
+    state: &mut State,
+    count: &mut usize,
+    a: usize,
+    b: usize,
+) -> Result<(), PairsFull> {
+    let slot = state.pairs.list.get_mut(*count).ok_or(PairsFull)?;
+    *slot = Pair {
+        a: a as u32,
+        b: b as u32,
+        gap: 0.0,
+        gap_time: 0.0,
+        clear_until: 0.0,
+        normal: glam::Vec3::ZERO,
+        feature: WarmFeature::new(),
+        point: glam::Vec3::ZERO,
+        bends: 0,
+        bending_gap: 0.0,
+        measured: 0,
+    };
+    *count += 1;
+    let mark = &mut state.registers.high_water.pairs;
+    *mark = (*mark).max(*count as u32);
+    Ok(())
+}

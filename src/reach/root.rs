@@ -1,13 +1,17 @@
-//! Bending a way along contact planes.
+//! Bending the way of a body's root along contact planes.
+//!
+//! The least change of the wanted pose that keeps every touching piece outside its contact plane
+//! (Gauss's principle of least constraint; Ortega, Redon and Coquillart 2007, section 4, restricted to
+//! translations as the paper's hand is).
 
 use glam::Vec3;
 
-use super::{Plan, Position, track};
+use super::Plan;
 use crate::geometry::time_of_contact::plane_gap;
 use crate::limits::{GAP_REST_M, SLIDE_PLANES_MAX};
 use crate::math::{self, Pose};
-use crate::pairs::piece_motion;
 use crate::state::State;
+use crate::state::ways::{Position, piece_motion, track};
 
 /// A half-space of translations: normal . u >= offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +25,7 @@ type HalfSpaces = heapless::Vec<HalfSpace, SLIDE_PLANES_MAX>;
 /// Where to go from `at`: the wanted position, moved by the least translation that keeps every
 /// touching piece outside its contact plane. Where no translation does (a slot, a wedge), turn and
 /// local poses stay as they are and only the wanted translation is bent; staying is then allowed.
-pub(super) fn plan(
+pub(crate) fn plan(
     state: &State,
     pairs: usize,
     at: &Position,
