@@ -1,5 +1,7 @@
 //! Chains of hinges, and where their links are for given angles.
 
+use core::f32::consts::{PI, TAU};
+
 use arrayvec::ArrayVec;
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
@@ -41,6 +43,192 @@ pub struct Ball {
     pub first: usize,
     /// Where the limb may point, in the frame of the first hinge's rest.
     pub cone: ReachCone,
+}
+
+/// How many hinges a ball has; the last is the twist.
+const BALL_HINGES: usize = 3;
+
+/// What counts as on the boundary of a reach cone, in radians: some units of rounding.
+const BOUNDARY_RAD: f32 = 1e-6;
+
+/// Below this sine of the angle to a pole the first angle has no say.
+const POLE_SINE: f32 = 1e-6;
+
+impl Ball {
+    /// The angles of the ball among those of the chain; none when the chain ends before.
+    fn own(&self, angles: &[f32]) -> Option<[f32; BALL_HINGES]> {
+        let from = angles.get(self.first..)?;
+        Some([*from.first()?, *from.get(1)?, *from.get(2)?])
+    }
+
+    /// The limb's unit direction in the cone's frame, at angles of the whole chain. Z where the chain
+    /// ends before the ball does.
+    #[must_use]
+    pub fn limb(&self, angles: &[f32]) -> Vec3 {
+        self.own(angles).map_or(Vec3::Z, |[a, b, _]| limb_at(a, b))
+    }
+
+    /// How far the limb is outside the cone, in radians, at angles of the whole chain.
+    #[must_use]
+    pub fn outside_rad(&self, angles: &[f32]) -> f32 {
+        self.cone.outside_rad(self.limb(angles))
+    }
+
+    /// The ball's three angles for a limb's unit direction, twice, the nearer to those of the chain
+    /// first.
+    ///
+    /// A direction has two pairs of angles, (a, b) and (a + pi, pi - b), each modulo a turn. The nearer
+    /// pair keeps the twist. The other has half a turn more of it, so that what follows does not flip.
+    /// At the poles, b = +-90 degrees, every a will do, and the chain's is kept.
+    #[must_use]
+    pub fn aimed(&self, limb: Vec3, angles: &[f32]) -> [[f32; BALL_HINGES]; 2] {
+        let [a_now, b_now, twist] = self.own(angles).unwrap_or_default();
+        let across = math::sqrt(limb.y * limb.y + limb.z * limb.z);
+        let b = math::atan2(limb.x, across);
+        let a = if across > POLE_SINE {
+            math::atan2(-limb.y, limb.z)
+        } else if math::cos(b_now) < 0.0 {
+            a_now - PI
+        } else {
+            a_now
+        };
+        let pairs = [(a, b), (a + PI, PI - b)];
+        let pairs = pairs.map(|(a, b)| (turns_nearest(a, a_now), turns_nearest(b, b_now)));
+        let far = |(a, b): (f32, f32)| (a - a_now) * (a - a_now) + (b - b_now) * (b - b_now);
+        let swapped = far(pairs[1]) < far(pairs[0]);
+        let (near, other) = if swapped {
+            (pairs[1], pairs[0])
+        } else {
+            (pairs[0], pairs[1])
+        };
+        let flipped = if twist > 0.0 { twist - PI } else { twist + PI };
+        [[near.0, near.1, twist], [other.0, other.1, flipped]]
+    }
+
+    /// Takes the limb to the nearest direction that the cone allows, at angles of the whole chain. What
+    /// is allowed, up to rounding, stays to the bit.
+    pub fn kept(&self, angles: &mut [f32]) {
+        let limb = self.limb(angles);
+        if self.cone.outside_rad(limb) <= BOUNDARY_RAD {
+            return;
+        }
+        let [near, _] = self.aimed(self.cone.nearest(limb), angles);
+        self.place(angles, near);
+    }
+
+    /// The same within the ranges of the hinges, too; whether that was found. Where it was not, the
+    /// hinges' ranges are kept and the cone is not.
+    ///
+    /// Cost: at most eight projections.
+    pub fn kept_with(&self, hinges: &[Hinge], angles: &mut [f32]) -> bool {
+        let Some(own_hinges) = hinges.get(self.first..self.first.saturating_add(BALL_HINGES))
+        else {
+            return true;
+        };
+        if self.own(angles).is_none() {
+            return true;
+        }
+        let clamped = |own: [f32; BALL_HINGES]| {
+            let mut kept = own;
+            for (angle, hinge) in kept.iter_mut().zip(own_hinges) {
+                *angle = hinge.kept(*angle);
+            }
+            kept
+        };
+        for _ in 0..ALTERNATIONS_MAX {
+            let limb = self.limb(angles);
+            if self.cone.outside_rad(limb) <= BOUNDARY_RAD {
+                return true;
+            }
+            let both = self.aimed(self.cone.nearest(limb), angles);
+            let fits = both.into_iter().find(|own| clamped(*own) == *own);
+            self.place(angles, fits.unwrap_or(clamped(both[0])));
+        }
+        self.outside_rad(angles) <= BOUNDARY_RAD
+    }
+
+    /// The point that sees all of the cone, within the hinges' ranges.
+    pub fn rest(&self, hinges: &[Hinge], angles: &mut [f32]) {
+        let both = self.aimed(self.cone.visible(), angles);
+        let own_hinges = hinges.get(self.first..).unwrap_or_default();
+        let off = |own: &[f32; BALL_HINGES]| {
+            let off = own.iter().zip(own_hinges);
+            off.map(|(&q, hinge)| (q - hinge.kept(q)).abs())
+                .sum::<f32>()
+        };
+        let nearer = usize::from(off(&both[1]) < off(&both[0]));
+        let mut own = both[nearer];
+        for (angle, hinge) in own.iter_mut().zip(own_hinges) {
+            *angle = hinge.kept(*angle);
+        }
+        self.place(angles, own);
+    }
+
+    fn place(&self, angles: &mut [f32], own: [f32; BALL_HINGES]) {
+        for (angle, found) in angles.iter_mut().skip(self.first).zip(own) {
+            *angle = found;
+        }
+    }
+
+    /// Derivatives of the limb by the first two angles.
+    pub(crate) fn limb_slopes(&self, angles: &[f32]) -> [Vec3; 2] {
+        let [a, b, _] = self.own(angles).unwrap_or_default();
+        let (sin_a, cos_a) = (math::sin(a), math::cos(a));
+        let (sin_b, cos_b) = (math::sin(b), math::cos(b));
+        [
+            Vec3::new(0.0, -cos_a * cos_b, -sin_a * cos_b),
+            Vec3::new(cos_b, sin_a * sin_b, -cos_a * sin_b),
+        ]
+    }
+
+    /// Inward unit normals of the cone's edges where a limb is: of the edge of its lune, and of the one
+    /// behind the nearer corner where the cone is convex there.
+    pub(crate) fn walls(&self, limb: Vec3) -> ArrayVec<Vec3, 2> {
+        let (corners, visible) = (self.cone.corners(), self.cone.visible());
+        let count = corners.len();
+        let mut walls = ArrayVec::new();
+        let next = |index: usize| if index + 1 == count { 0 } else { index + 1 };
+        let in_lune = |&index: &usize| {
+            let (a, b) = (corners[index], corners[next(index)]);
+            limb.dot(visible.cross(a)) >= 0.0 && limb.dot(b.cross(visible)) >= 0.0
+        };
+        let Some(index) = (0..count).find(in_lune) else {
+            return walls;
+        };
+        let (a, b) = (corners[index], corners[next(index)]);
+        let beyond = corners[next(next(index))];
+        let before = corners[if index == 0 { count - 1 } else { index - 1 }];
+        let (other, inside) = if limb.dot(a) > limb.dot(b) {
+            (before.cross(a), b)
+        } else {
+            (b.cross(beyond), a)
+        };
+        walls.extend(math::direction(a.cross(b)));
+        let is_convex = other.dot(inside) > 0.0 && other.dot(limb) > -POLE_SINE;
+        walls.extend(math::direction(other).filter(|_| is_convex));
+        walls
+    }
+}
+
+/// How often cone and hinges are asked in turn.
+const ALTERNATIONS_MAX: u32 = 8;
+
+fn limb_at(a: f32, b: f32) -> Vec3 {
+    let across = math::cos(b);
+    Vec3::new(math::sin(b), -math::sin(a) * across, math::cos(a) * across)
+}
+
+/// The angle that differs from `angle` by whole turns and is within half a turn of `near`.
+fn turns_nearest(angle: f32, near: f32) -> f32 {
+    let mut angle = angle;
+    for _ in 0..4 {
+        if angle - near > PI {
+            angle -= TAU;
+        } else if near - angle > PI {
+            angle += TAU;
+        }
+    }
+    angle
 }
 
 /// Where one hinge and the link behind it are, in the frame of the root's parent.

@@ -4,7 +4,7 @@ use arrayvec::ArrayVec;
 use glam::Vec3;
 
 use crate::geometry::chain::{Ball, Hinge, Placed, Posture};
-use crate::limits::CHAIN_HINGES_MAX;
+use crate::limits::{CHAIN_GOALS_MAX, CHAIN_HINGES_MAX};
 use crate::math::{self, Pose};
 
 /// A point of a link that is to be on, or on the outer side of, a plane.
@@ -42,6 +42,21 @@ impl Goal {
         })
     }
 
+    /// Whether the goal has to be met.
+    #[must_use]
+    pub fn is_hard(&self) -> bool {
+        !(self.softness > 0.0)
+    }
+
+    /// What missing a soft goal costs, in rad2; nothing for a hard one.
+    pub(super) fn soft_cost(&self, posture: &Posture) -> f32 {
+        if self.is_hard() {
+            return 0.0;
+        }
+        let missed = self.missed_m(posture);
+        0.5 * missed * missed / self.softness
+    }
+
     /// Where the point is. A link that does not exist stands still at the origin.
     pub(super) fn at(&self, posture: &Posture) -> Vec3 {
         posture
@@ -68,7 +83,7 @@ impl Goal {
     pub(super) fn row(&self, posture: &Posture) -> Row {
         let at = self.at(posture);
         let mut row = [0.0; CHAIN_HINGES_MAX];
-        let moving = posture.iter().take(self.link + 1);
+        let moving = posture.iter().take(self.link.saturating_add(1));
         for (slot, Placed { origin, axis, .. }) in row.iter_mut().zip(moving) {
             *slot = self.normal.dot(axis.cross(at - *origin));
         }
@@ -76,11 +91,12 @@ impl Goal {
     }
 }
 
-/// The most that any goal is from met, in metres.
+/// The most that any hard goal is from met, in metres.
 #[must_use]
 pub fn worst_m(goals: &[Goal], posture: &Posture) -> f32 {
     goals
         .iter()
+        .filter(|goal| goal.is_hard())
         .fold(0.0, |worst, goal| math::max(worst, goal.missed_m(posture)))
 }
 
@@ -102,21 +118,53 @@ pub struct Task<'a> {
 }
 
 impl Task<'_> {
+    /// How many hinges have angles.
+    pub(super) fn joints(&self, angles: &[f32]) -> usize {
+        let both = self.hinges.len().min(angles.len());
+        both.min(self.wanted.len()).min(CHAIN_HINGES_MAX)
+    }
+
+    /// The goals that are used.
+    pub(super) fn used_goals(&self) -> &[Goal] {
+        &self.goals[..self.goals.len().min(CHAIN_GOALS_MAX)]
+    }
+
+    /// The balls that are used.
+    pub(super) fn used_balls(&self) -> &[Ball] {
+        &self.balls[..self.balls.len().min(CHAIN_BALLS_MAX)]
+    }
+
     /// Angles to begin with, within the limits.
     pub(super) fn start(&self, angles: &[f32]) -> Angles {
         let kept = self.hinges.iter().zip(angles).map(|(h, &q)| h.kept(q));
-        kept.take(Angles::new().capacity()).collect()
+        let mut q: Angles = kept.take(self.joints(angles)).collect();
+        for ball in self.used_balls() {
+            if !ball.kept_with(self.hinges, &mut q) {
+                ball.rest(self.hinges, &mut q);
+            }
+        }
+        q
     }
 
-    /// The tracked angles within the limits.
-    pub(super) fn wanted_angles(&self) -> Angles {
-        self.start(self.wanted)
+    /// Takes angles into the limits; whether that was possible.
+    pub(super) fn admit(&self, q: &mut Angles) -> bool {
+        for (angle, hinge) in q.iter_mut().zip(self.hinges) {
+            *angle = hinge.kept(*angle);
+        }
+        let mut balls = self.used_balls().iter();
+        balls.all(|ball| ball.kept_with(self.hinges, q))
     }
 
     /// Half the sum of squared changes from the tracked angles.
     pub(super) fn deviation(&self, q: &Angles) -> f32 {
         let change = q.iter().zip(self.wanted).map(|(q, wanted)| q - wanted);
         change.map(|change| 0.5 * change * change).sum()
+    }
+
+    /// What missing the soft goals costs, in rad2.
+    pub(super) fn soft_cost(&self, posture: &Posture) -> f32 {
+        let goals = self.used_goals().iter();
+        goals.map(|goal| goal.soft_cost(posture)).sum()
     }
 }
 
@@ -125,9 +173,12 @@ impl Task<'_> {
 pub struct Reached {
     /// Steps used.
     pub steps: u32,
-    /// The most that any goal is from met, in metres.
+    /// The most that any hard goal is from met, in metres.
     pub missed_m: f32,
 }
 
 /// Angles of a chain.
 pub(super) type Angles = ArrayVec<f32, CHAIN_HINGES_MAX>;
+
+/// Most ball joints of one chain.
+pub(super) const CHAIN_BALLS_MAX: usize = CHAIN_HINGES_MAX / 3;

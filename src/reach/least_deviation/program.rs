@@ -1,0 +1,259 @@
+//! The program of one step: goals and cones linearised, solved through its dual.
+//!
+//! Least |y - reference|^2 / 2 + sum of s^2 / (2 softness) over angles y within the hinges' ranges,
+//! subject to rows . y + s >= least, or equal where exact, s being zero where hard. The dual matrix is
+//! rows rows^T + softness on the diagonal; forces f give y = reference + rows^T f, kept within the
+//! ranges. Which rows press and which joints are at their limits is found by the primal-dual active set
+//! method (Hintermueller, Ito and Kunisch 2002: for these programs a Newton method), at most
+//! [`PASSES_MAX`] times a small factorisation.
+
+use arrayvec::ArrayVec;
+
+use super::spot::Spot;
+use crate::limits::{CHAIN_GOALS_MAX, CHAIN_HINGES_MAX};
+use crate::math;
+use crate::reach::goal::{CHAIN_BALLS_MAX, Row, Task};
+
+/// Most factorisations in one step.
+pub const PASSES_MAX: u32 = 7;
+
+/// Most rows: goals, and two edges of each ball's cone.
+const ROWS_MAX: usize = CHAIN_GOALS_MAX + 2 * CHAIN_BALLS_MAX;
+
+/// A metre missed costs this many times the largest force in the merit: more than one, so that the
+/// program's way lowers it.
+const PENALTY_FACTOR: f32 = 1.5;
+
+type Rows<T> = ArrayVec<T, ROWS_MAX>;
+
+/// One linearised goal or edge.
+struct Line {
+    row: Row,
+    least: f32,
+    is_exact: bool,
+    softness: f32,
+    /// The row's product with itself and its softness: what a unit of force does to it.
+    stiffness: f32,
+    /// What is added to the diagonal of the matrix.
+    added: f32,
+    /// The multiplier.
+    force: f32,
+    presses: bool,
+}
+
+pub(super) struct Program {
+    lines: Rows<Line>,
+    /// The angles that the change is least from, zero beyond the joints.
+    reference: Row,
+    y: Row,
+    joints: usize,
+}
+
+impl Program {
+    /// The program at a spot; `restores` asks for the least change from there instead of from the
+    /// tracked angles.
+    pub(super) fn new(task: &Task, spot: &Spot, restores: bool, damping: f32) -> Self {
+        let q = padded(&spot.q);
+        let joints = spot.q.len();
+        let reference = if restores {
+            q
+        } else {
+            padded(&task.wanted[..joints])
+        };
+        let mut new = Self {
+            lines: Rows::new(),
+            reference,
+            y: reference,
+            joints,
+        };
+        let mut largest = 0.0;
+        for goal in task.used_goals() {
+            let row = goal.row(&spot.placed);
+            let softness = if goal.is_hard() { 0.0 } else { goal.softness };
+            let least = product(&row, &q) - goal.above_m(&spot.placed);
+            let line = Line::new(row, least, goal.is_exact, softness);
+            if goal.is_hard() {
+                largest = math::max(line.stiffness, largest);
+            }
+            new.lines.push(line);
+        }
+        for line in &mut new.lines {
+            line.added = line.softness + damping * largest + f32::MIN_POSITIVE;
+        }
+        new.add_cones(task, spot, &q);
+        new.choose();
+        new
+    }
+
+    fn add_cones(&mut self, task: &Task, spot: &Spot, q: &Row) {
+        for ball in task.used_balls() {
+            if ball.first.saturating_add(2) >= self.joints {
+                continue;
+            }
+            let limb = ball.limb(&spot.q);
+            let [by_a, by_b] = ball.limb_slopes(&spot.q);
+            for normal in ball.walls(limb) {
+                let mut row = [0.0; CHAIN_HINGES_MAX];
+                row[ball.first] = normal.dot(by_a);
+                row[ball.first + 1] = normal.dot(by_b);
+                let least = product(&row, q) - normal.dot(limb);
+                let mut line = Line::new(row, least, false, 0.0);
+                line.added = CONE_DAMPING * line.stiffness + f32::MIN_POSITIVE;
+                self.lines.push(line);
+            }
+        }
+    }
+
+    /// The angles found.
+    pub(super) fn angles(&self) -> &[f32] {
+        &self.y[..self.joints]
+    }
+
+    /// What missing a metre of the hard goals is to cost, in rad2.
+    pub(super) fn penalty(&self) -> f32 {
+        let hard = self.lines.iter().filter(|line| line.softness == 0.0);
+        PENALTY_FACTOR * hard.map(|line| line.force.abs()).fold(0.0, math::max)
+    }
+
+    /// The rows that press: exact ones, those with a force and those that are not met. Whether that
+    /// changed anything.
+    fn choose(&mut self) -> bool {
+        let mut changed = false;
+        for line in &mut self.lines {
+            let short = line.least - product(&line.row, &self.y);
+            let pressed = (line.stiffness - line.softness) * line.force + short;
+            let presses = line.is_exact || pressed > 0.0;
+            changed |= presses != line.presses;
+            line.presses = presses;
+        }
+        changed
+    }
+
+    pub(super) fn solve(&mut self, task: &Task) {
+        let mut free = [0.0; CHAIN_HINGES_MAX];
+        free[..self.joints].fill(1.0);
+        for _ in 0..PASSES_MAX {
+            self.balance(&free);
+            let mut changed = false;
+            let pulled = self.pulled();
+            for (index, hinge) in task.hinges.iter().enumerate().take(self.joints) {
+                self.y[index] = hinge.kept(pulled[index]);
+                let is_free = if self.y[index] == pulled[index] {
+                    1.0
+                } else {
+                    0.0
+                };
+                changed |= is_free != free[index];
+                free[index] = is_free;
+            }
+            changed |= self.choose();
+            if !changed {
+                break;
+            }
+        }
+    }
+
+    /// Where the forces pull joints that have no limits.
+    fn pulled(&self) -> Row {
+        let mut pulled = self.reference;
+        for line in self.lines.iter().filter(|line| line.presses) {
+            for (angle, row) in pulled.iter_mut().zip(&line.row) {
+                *angle += row * line.force;
+            }
+        }
+        pulled
+    }
+
+    /// The forces with which the pressing rows hold, the joints that are not free staying where they
+    /// are.
+    fn balance(&mut self, free: &Row) {
+        let mut held = self.y;
+        for (held, (&free, &reference)) in held.iter_mut().zip(free.iter().zip(&self.reference)) {
+            if free != 0.0 {
+                *held = reference;
+            }
+        }
+        let mut matrix = [[0.0_f32; ROWS_MAX]; ROWS_MAX];
+        let mut right = [0.0_f32; ROWS_MAX];
+        let pressing: Rows<usize> = (0..self.lines.len())
+            .filter(|&index| self.lines[index].presses)
+            .collect();
+        for (i, &index) in pressing.iter().enumerate() {
+            let line = &self.lines[index];
+            right[i] = line.least - product(&line.row, &held);
+            let mut moved = line.row;
+            for (moved, free) in moved.iter_mut().zip(free) {
+                *moved *= free;
+            }
+            for (j, &other) in pressing.iter().enumerate().take(i + 1) {
+                matrix[i][j] = product(&moved, &self.lines[other].row);
+                matrix[j][i] = matrix[i][j];
+            }
+            matrix[i][i] += line.added;
+        }
+        solve_symmetric(&mut matrix, &mut right, pressing.len());
+        for line in &mut self.lines {
+            line.force = 0.0;
+        }
+        for (&index, &force) in pressing.iter().zip(&right) {
+            self.lines[index].force = force;
+        }
+    }
+}
+
+/// Damping of a cone's rows, as a part of their own diagonal entry.
+const CONE_DAMPING: f32 = 1e-6;
+
+impl Line {
+    fn new(row: Row, least: f32, is_exact: bool, softness: f32) -> Self {
+        Self {
+            row,
+            least,
+            is_exact,
+            softness,
+            stiffness: product(&row, &row) + softness,
+            added: 0.0,
+            force: 0.0,
+            presses: is_exact,
+        }
+    }
+}
+
+fn padded(angles: &[f32]) -> Row {
+    let mut row = [0.0; CHAIN_HINGES_MAX];
+    row[..angles.len()].copy_from_slice(angles);
+    row
+}
+
+/// Eight sums side by side, then one fixed tree.
+fn product(a: &Row, b: &Row) -> f32 {
+    const HALF: usize = CHAIN_HINGES_MAX / 2;
+    let mut s = [0.0; HALF];
+    for k in 0..HALF {
+        s[k] = a[k] * b[k] + a[k + HALF] * b[k + HALF];
+    }
+    ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]))
+}
+
+/// Solves a symmetric positive definite system in place (Cholesky without roots).
+fn solve_symmetric(
+    matrix: &mut [[f32; ROWS_MAX]; ROWS_MAX],
+    right: &mut [f32; ROWS_MAX],
+    count: usize,
+) {
+    for i in 0..count {
+        for j in 0..i {
+            let factor = matrix[i][j] / matrix[j][j];
+            for k in j..count {
+                matrix[i][k] -= factor * matrix[j][k];
+            }
+            right[i] -= factor * right[j];
+        }
+    }
+    for i in (0..count).rev() {
+        for j in i + 1..count {
+            right[i] -= matrix[i][j] * right[j];
+        }
+        right[i] /= matrix[i][i];
+    }
+}

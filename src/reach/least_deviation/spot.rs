@@ -1,0 +1,70 @@
+//! A posture that a search came to, and what it is worth.
+
+use crate::geometry::chain::{Posture, posture};
+use crate::math;
+use crate::reach::goal::{Angles, Task};
+
+/// A gain smaller than this part of what is missed is none.
+const GAIN_MIN: f32 = 1e-4;
+
+/// A cost lowered by less than this part is not.
+const CHEAPER_MIN: f32 = 1e-6;
+
+pub(super) struct Spot {
+    pub(super) q: Angles,
+    pub(super) placed: Posture,
+    /// The most that a hard goal is missed by, in metres.
+    pub(super) missed_m: f32,
+    /// Whether all hard goals are met.
+    pub(super) is_met: bool,
+    /// Sum of the squares of what hard goals are missed by, in m2.
+    pub(super) shortfall: f32,
+    /// Half the sum of squared changes, and what missing soft goals costs, in rad2.
+    pub(super) cost: f32,
+    /// Sum of what hard goals are missed by, in metres.
+    missed_sum_m: f32,
+}
+
+impl Spot {
+    pub(super) fn new(task: &Task, q: Angles) -> Self {
+        let placed = posture(task.hinges, &task.root, &q);
+        let (mut most, mut squares, mut sum) = (0.0, 0.0, 0.0);
+        let mut cost = task.deviation(&q);
+        for goal in task.used_goals() {
+            if goal.is_hard() {
+                let missed = goal.missed_m(&placed);
+                most = math::max(missed, most);
+                squares += missed * missed;
+                sum += missed;
+            } else {
+                cost += goal.soft_cost(&placed);
+            }
+        }
+        Self {
+            q,
+            placed,
+            missed_m: most,
+            is_met: most <= task.tolerance_m,
+            shortfall: squares,
+            cost,
+            missed_sum_m: sum,
+        }
+    }
+
+    /// Whether an exact hard goal is missed.
+    pub(super) fn misses_exactly(&self, task: &Task) -> bool {
+        let goals = task.used_goals().iter();
+        let mut exact = goals.filter(|goal| goal.is_exact && goal.is_hard());
+        exact.any(|goal| goal.missed_m(&self.placed) > task.tolerance_m)
+    }
+
+    /// Whether this is worth going to from another spot: it meets the goals, or comes nearer to them;
+    /// from goals met, it costs less with them met, a metre missed counting `penalty` rad2.
+    pub(super) fn betters(&self, other: &Self, penalty: f32) -> bool {
+        if !other.is_met {
+            return self.is_met || self.shortfall < other.shortfall * (1.0 - GAIN_MIN);
+        }
+        let merit = |spot: &Self| spot.cost + penalty * spot.missed_sum_m;
+        self.is_met && merit(self) < merit(other) * (1.0 - CHEAPER_MIN)
+    }
+}
