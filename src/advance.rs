@@ -3,13 +3,13 @@
 //! Conservative advancement from one certified pose to the next: every pose on the way is known to be
 //! safe, so the way may be cut anywhere.
 
-use crate::geometry::motion::Motion;
 use crate::geometry::time_of_contact::MovingPair;
 use crate::limits::{GAP_FLOOR_M, STEP_MIN_M};
 use crate::math;
 use crate::state::State;
+use crate::state::contacts::Pair;
 use crate::state::purse::Purse;
-use crate::state::ways::{BodyTrack, piece_motion};
+use crate::state::ways::{BodyTrack, is_own, pair_motions};
 
 /// How far a leg was found clear.
 #[derive(Clone, Copy, Debug)]
@@ -60,10 +60,10 @@ pub(crate) fn run(state: &mut State, pairs: usize, leg: &BodyTrack, purse: &mut 
 fn start(state: &mut State, pairs: usize, leg: &BodyTrack) {
     for index in 0..pairs {
         let pair = state.pairs.list[index];
-        let motion = piece_motion(state, pair.a as usize, leg);
+        let way = way_of(state, &pair, leg);
         let slack = pair.gap - GAP_FLOOR_M;
         let until = if slack > 0.0 {
-            math::min(slack / math::max(motion.way_m(), 1e-30), 1.0)
+            math::min(slack / math::max(way, 1e-30), 1.0)
         } else {
             0.0
         };
@@ -73,19 +73,31 @@ fn start(state: &mut State, pairs: usize, leg: &BodyTrack) {
     }
 }
 
+/// How much nearer the pieces of a pair can come on the whole leg, in metres.
+fn way_of(state: &State, pair: &Pair, leg: &BodyTrack) -> f32 {
+    let (a, b) = pair_motions(state, pair, leg);
+    a.way_m() + b.way_m()
+}
+
 /// Certifies a pair beyond `time`; true when it cannot be, so that it blocks the way.
 fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool {
     let pair = state.pairs.list[index];
     let (a, b) = (pair.a as usize, pair.b as usize);
-    let motion = piece_motion(state, a, leg);
+    let (motion_a, motion_b) = pair_motions(state, &pair, leg);
+    let way = motion_a.way_m() + motion_b.way_m();
     let moving = MovingPair {
         a: state.pools.convex(&state.pieces.shape[a]),
         b: state.pools.convex(&state.pieces.shape[b]),
-        motion_a: motion,
-        motion_b: Motion::still(state.pieces.world[b]),
+        motion_a,
+        motion_b,
     };
     let mut feature = pair.feature;
-    let found = moving.clear_until(time, GAP_FLOOR_M, &mut feature, 0.0);
+    let mut found = moving.clear_until(time, GAP_FLOOR_M, &mut feature, 0.0);
+    if is_own(state, &pair) {
+        let root = leg.root.at(time);
+        found.normal = root.quat() * found.normal;
+        found.point = root.point(found.point);
+    }
     let pair = &mut state.pairs.list[index];
     pair.feature = feature;
     pair.gap = found.gap_m;
@@ -93,7 +105,7 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
     pair.normal = found.normal;
     pair.point = found.point;
     pair.clear_until = math::max(time, found.clear_until);
-    let gained = (pair.clear_until - time) * motion.way_m();
+    let gained = (pair.clear_until - time) * way;
     pair.clear_until < 1.0 && gained < STEP_MIN_M
 }
 
@@ -103,8 +115,7 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
 pub(crate) fn carry_over(state: &mut State, pairs: usize, leg: &BodyTrack, reached: f32) {
     for index in 0..pairs {
         let pair = state.pairs.list[index];
-        let motion = piece_motion(state, pair.a as usize, leg);
-        let moved = (reached - pair.gap_time) * motion.way_m();
+        let moved = (reached - pair.gap_time) * way_of(state, &pair, leg);
         let pair = &mut state.pairs.list[index];
         if moved != 0.0 {
             pair.gap -= moved.abs();

@@ -18,39 +18,42 @@ use crate::state::State;
 use crate::state::contacts::{self, ContactPoint, Pair};
 use crate::state::pieces::Bounds;
 use crate::state::purse::Purse;
-use crate::state::ways::{BodyTrack, Position, piece_motion};
+use crate::state::ways::{
+    Position, is_own, obstacle_bounds, obstacle_pose, pair_motions, piece_motion,
+};
 
-/// Where a driven body at `root` that overlaps fixed pieces gets clear of them; `None` when no way out
-/// was found and verified.
+/// Where a driven body that overlaps fixed pieces or other driven bodies gets clear of them, moved as a
+/// whole; `None` when no way out was found and verified.
 ///
 /// Verifying spends one unit a pair whose boxes overlap there. The search keeps about 130 kB on the
 /// stack.
 pub(crate) fn way_out(
     state: &mut State,
     pairs: usize,
-    root: &Pose,
+    at: &Position,
     purse: &mut Purse,
 ) -> Option<Pose> {
-    let out = search(state, pairs, root)?;
-    let left = deepest_gap(state, pairs, &out, purse)?;
+    let out = search(state, pairs, at)?;
+    let moved = Position { root: out, ..*at };
+    let left = deepest_gap(state, pairs, &moved, purse)?;
     (left > 0.0).then_some(out)
 }
 
-/// The pieces' poses when the body is at `root` with its published local poses.
-fn pose_of(state: &State, pair: &Pair, root: &Pose) -> Pose {
-    root.then(&state.pieces.local[pair.a as usize])
+/// The moving piece's pose where the body is.
+fn pose_of(state: &State, pair: &Pair, at: &Position) -> Pose {
+    piece_motion(state, pair.a as usize, &at.still()).at(0.0)
 }
 
 /// The least gap of the pairs whose boxes overlap; infinite when there are none, `None` when the units
 /// ran out.
-fn deepest_gap(state: &State, pairs: usize, root: &Pose, purse: &mut Purse) -> Option<f32> {
+fn deepest_gap(state: &State, pairs: usize, at: &Position, purse: &mut Purse) -> Option<f32> {
     let mut deepest = f32::INFINITY;
     for pair in &state.pairs.list[..pairs] {
         let (a, b) = (pair.a as usize, pair.b as usize);
-        let pose = pose_of(state, pair, root);
+        let pose = pose_of(state, pair, at);
         let shape = &state.pieces.shape[a];
         let bounds = Bounds::of(shape, &pose);
-        if bounds.gap(&state.pieces.bounds[b]) >= 0.0 {
+        if is_own(state, pair) || bounds.gap(&obstacle_bounds(state, b)) >= 0.0 {
             continue;
         }
         if !purse.take() {
@@ -60,7 +63,7 @@ fn deepest_gap(state: &State, pairs: usize, root: &Pose, purse: &mut Purse) -> O
             &state.pools.convex(shape),
             &state.pools.convex(&state.pieces.shape[b]),
             &pose,
-            &state.pieces.world[b],
+            &obstacle_pose(state, b),
             glam::Vec3::ZERO,
         );
         deepest = crate::math::min(found.gap_m, deepest);
@@ -69,22 +72,25 @@ fn deepest_gap(state: &State, pairs: usize, root: &Pose, purse: &mut Purse) -> O
 }
 
 /// The body moved by the global penetration depth of all its pairs.
-fn search(state: &State, pairs: usize, root: &Pose) -> Option<Pose> {
+fn search(state: &State, pairs: usize, at: &Position) -> Option<Pose> {
     let mut listed: ArrayVec<UnionPair, UNION_PAIRS_MAX> = ArrayVec::new();
     for pair in &state.pairs.list[..pairs] {
+        if is_own(state, pair) {
+            continue;
+        }
         let (a, b) = (pair.a as usize, pair.b as usize);
         listed
             .try_push(UnionPair {
                 a: state.pools.convex(&state.pieces.shape[a]),
-                a_pose: pose_of(state, pair, root),
+                a_pose: pose_of(state, pair, at),
                 b: state.pools.convex(&state.pieces.shape[b]),
-                b_pose: state.pieces.world[b],
+                b_pose: obstacle_pose(state, b),
             })
             .ok()?;
     }
     let mut scratch = UnionScratch::new();
     let found = least_translation(&listed, GAP_REST_M, NODES_USUAL, &mut scratch);
-    found.verified.then(|| root.moved(found.offset))
+    found.verified.then(|| at.root.moved(found.offset))
 }
 
 /// Measures, at the leg's start, every pair that may be in contact there. False when the budget ran
@@ -97,16 +103,22 @@ pub(crate) fn measure_touching(
     at: &Position,
     purse: &mut Purse,
 ) -> bool {
-    let still = BodyTrack::still(at.root, at.local);
+    let still = at.still();
     for index in 0..pairs {
         let pair = state.pairs.list[index];
         if pair.measured == 1 || !touches(pair.gap) {
             continue;
         }
         let (a, b) = (pair.a as usize, pair.b as usize);
-        let pose = piece_motion(state, a, &still).at(0.0);
+        let own = is_own(state, &pair);
+        let (motion_a, motion_b) = pair_motions(state, &pair, &still);
+        let (pose, other) = (motion_a.at(0.0), motion_b.at(0.0));
         let bounds = Bounds::of(&state.pieces.shape[a], &pose);
-        let apart = bounds.gap(&state.pieces.bounds[b]);
+        let apart = bounds.gap(&if own {
+            Bounds::of(&state.pieces.shape[b], &other)
+        } else {
+            obstacle_bounds(state, b)
+        });
         let pair = &mut state.pairs.list[index];
         pair.gap_time = 0.0;
         if !touches(apart) {
@@ -120,13 +132,17 @@ pub(crate) fn measure_touching(
             &state.pools.convex(&state.pieces.shape[a]),
             &state.pools.convex(&state.pieces.shape[b]),
             &pose,
-            &state.pieces.world[b],
+            &other,
             &mut pair.feature,
             0.0,
         );
         pair.gap = found.gap_m;
         pair.normal = found.normal;
         pair.point = 0.5 * (found.point_a + found.point_b);
+        if own {
+            pair.normal = at.root.quat() * pair.normal;
+            pair.point = at.root.point(pair.point);
+        }
         pair.measured = 1;
     }
     true
@@ -161,11 +177,11 @@ pub(crate) fn record(state: &mut State, pairs: usize) -> bool {
     all
 }
 
-/// Whether a measured pair overlaps.
+/// Whether a measured pair overlaps, links of the body with each other aside.
 pub(crate) fn overlaps(state: &State, pairs: usize) -> bool {
     state.pairs.list[..pairs]
         .iter()
-        .any(|pair| pair.measured == 1 && pair.gap < 0.0)
+        .any(|pair| pair.measured == 1 && pair.gap < 0.0 && !is_own(state, pair))
 }
 
 /// Whether a measured pair is in contact.

@@ -13,6 +13,7 @@ use crate::math::{self, Pose, displacement_of};
 use crate::memory::ids::is_alive;
 use crate::state::State;
 use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, Tracker};
+use crate::state::chains::{ChainOptions, ChainReport, ball_at, joints_of, linkage, next_chain};
 use crate::state::pieces::Bounds;
 
 /// The spring's exact map over one time step: (x, v) -> (xx x + xv v, vx x + vv v).
@@ -99,6 +100,7 @@ fn couple(state: &mut State, body: usize, dt_s: f32) {
     };
     if tracker.seen == 0 {
         state.legs.wanted[body] = bodies.pose[body];
+        couple_chains(state, body, dt_s);
         return;
     }
     let displacement = &mut bodies.displacement[body];
@@ -106,6 +108,92 @@ fn couple(state: &mut State, body: usize, dt_s: f32) {
     tracker.previous = tracker.target;
     relax(displacement, &SpringMap::new(&coupling, dt_s));
     state.legs.wanted[body] = displaced(&tracker.target, displacement);
+    couple_chains(state, body, dt_s);
+}
+
+/// Finds where the angles of a body's chains are wanted at the end of the frame: at their targets, less
+/// what is left of the deviation that contact forced. The attraction is integrated exactly:
+/// d' = -d / attraction.
+fn couple_chains(state: &mut State, body: usize, dt_s: f32) {
+    let mut next = state.bodies.first_chain[body];
+    while let Some(chain) = next.checked_sub(1) {
+        let chain = chain as usize;
+        let options = state.chains.options[chain];
+        let left = math::exp(-dt_s / math::max(options.attraction_s, 1e-6));
+        couple_angles(state, chain, left);
+        if options.has(ChainOptions::HOLDS_TIP) {
+            couple_tip(state, body, chain, left);
+        }
+        state.chains.report[chain] = ChainReport::default();
+        state.ways.held[chain] = 0;
+        next = next_chain(state, chain);
+    }
+}
+
+fn couple_angles(state: &mut State, chain: usize, left: f32) {
+    let joints = &mut state.joints;
+    let range = {
+        let first = state.chains.first_joint[chain] as usize;
+        first..first + state.chains.joint_count[chain] as usize
+    };
+    // What the tracker itself came nearer, as for the root.
+    let (mut along, mut square) = (0.0, 0.0);
+    for joint in range.clone() {
+        let step = joints.target[joint] - joints.previous[joint];
+        along += joints.deviation[joint] * step;
+        square += joints.deviation[joint] * joints.deviation[joint];
+    }
+    let kept = if square > 0.0 {
+        left * (1.0 - math::clamp(along / square, 0.0, 1.0))
+    } else {
+        left
+    };
+    let mut negligible = true;
+    for joint in range.clone() {
+        joints.previous[joint] = joints.target[joint];
+        joints.deviation[joint] *= kept;
+        negligible &= joints.deviation[joint].abs() < DISPLACEMENT_MIN;
+    }
+    for joint in range {
+        if negligible {
+            joints.deviation[joint] = 0.0;
+        }
+        let deviation = joints.deviation[joint];
+        // The target to the bit when there is no deviation.
+        let wanted = joints.hinge[joint].kept(joints.target[joint] + deviation);
+        state.ways.wanted[joint] = if deviation == 0.0 {
+            joints.target[joint]
+        } else {
+            wanted
+        };
+        state.ways.from[joint] = joints.angle[joint];
+        state.ways.from_link[joint] = joints.link[joint];
+    }
+    if !negligible {
+        keep_in_cones(state, chain);
+    }
+}
+
+/// Takes wanted angles that lie between allowed ones to allowed ones.
+fn keep_in_cones(state: &mut State, chain: usize) {
+    let joints = joints_of(state, chain);
+    for joint in joints.clone() {
+        if let Some(ball) = ball_at(state, joint, joints.start) {
+            ball.kept(&mut state.ways.wanted[joints.clone()]);
+        }
+    }
+}
+
+/// Finds where a chain's tip is wanted: at its tracked place, less what is left of its offset.
+fn couple_tip(state: &mut State, body: usize, chain: usize, left: f32) {
+    let last = joints_of(state, chain).end - 1;
+    let link = linkage(state).link(last, |joint| state.joints.target[joint]);
+    let tip = Vec3::from_array(state.chains.options[chain].tip);
+    let tracked = state.legs.wanted[body].point(link.point(tip));
+    let step = tracked - state.chains.tip_tracked[chain];
+    let offset = shortened(state.chains.tip_offset[chain], step) * left;
+    state.chains.tip_tracked[chain] = tracked;
+    state.ways.tip[chain] = tracked + offset;
 }
 
 /// Counts how long the tracker has been lost; the flag of one lost for too long.

@@ -6,36 +6,88 @@
 
 use glam::Vec3;
 
-use crate::frame::FrameReport;
-use crate::geometry::motion::interpolate;
+use crate::frame::{Budget, FrameReport};
+use crate::geometry::linkage::angle_at;
 use crate::limits::{ADVANCE_UNITS_MAX, LEGS_MAX, PAIR_MARGIN_M, ROUNDS_MAX, STILL_M};
 use crate::math;
-use crate::reach::{self, Plan};
+use crate::reach::{self, Hold, Plan};
 use crate::state::State;
 use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, is_body_of};
+use crate::state::chains::{
+    End, chains_of, has_chains, joints_of, next_chain, place_links, slot_range,
+};
 use crate::state::contacts::PairsFull;
-use crate::state::pieces::PiecesOf;
+use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::purse::Purse;
-use crate::state::ways::{BodyTrack, Leg, Position, piece_motion, track};
+use crate::state::ways::{BodyTrack, Leg, Position, driven_at, piece_motion, track};
 use crate::{advance, contacts, pairs};
 
-/// Moves every driven body as far as its way is clear. Spends at most `units`, one for each
-/// distance query; what it spent.
-pub(crate) fn run(state: &mut State, units: u32, report: &mut FrameReport) -> u32 {
-    let mut left = units;
+/// Moves every driven body as far as its way is clear. Spends at most the budget's units, one for each
+/// distance query, and its steps, one for each of a chain's solver.
+///
+/// Bodies go one after the other, in the order of their slots; each keeps out of the others where they
+/// are at that time, so that none overlaps another at the end.
+pub(crate) fn run(state: &mut State, budget: &Budget, report: &mut FrameReport) {
+    let mut purses = Purses {
+        units: Purse::new(0),
+        steps: Purse::new(budget.reach_steps),
+    };
+    let mut left = budget.advance_units;
     let mut overlaps = 0;
+    if state.registers.driven > 1 {
+        look_ahead(state);
+    }
     for body in 0..state.registers.body_slots as usize {
         if is_body_of(state, body, BodyKind::Driven) {
-            let mut purse = Purse::new(left.min(ADVANCE_UNITS_MAX));
-            let flags = go(state, body, &mut purse);
+            purses.units = Purse::new(left.min(ADVANCE_UNITS_MAX));
+            let flags = go(state, body, &mut purses);
             overlaps |= flags & DrivenReport::OVERLAPS;
             state.bodies.report[body].flags |= flags;
             report.flags |= frame_flags(flags);
-            left -= purse.spent();
+            left -= purses.units.spent();
+            if state.registers.driven > 1 {
+                step_ahead(state, body);
+            }
         }
     }
     state.registers.disturbed = u32::from(overlaps != 0);
-    units - left
+    report.advance_units = budget.advance_units - left;
+    report.reach_steps = purses.steps.spent();
+    if purses.steps.left() == 0 && purses.steps.spent() > 0 {
+        report.set(FrameReport::REACH_CUT);
+    }
+}
+
+/// What driven bodies may spend.
+struct Purses {
+    units: Purse,
+    steps: Purse,
+}
+
+/// Driven bodies keep out of each other where they are before the frame.
+fn look_ahead(state: &mut State) {
+    for piece in 0..state.registers.piece_slots as usize {
+        if state.pieces.body_kind[piece] == BodyKind::Driven.code() {
+            state.legs.ahead[piece] = state.pieces.world[piece];
+            state.legs.ahead_bounds[piece] = state.pieces.bounds[piece];
+        }
+    }
+}
+
+/// Bodies that go later keep out of where this one came to.
+fn step_ahead(state: &mut State, body: usize) {
+    if state.legs.count[body] == 0 {
+        return;
+    }
+    let reached = driven_at(state.legs.of(body), &state.bodies.pose[body], 1.0).still();
+    let mut next = state.bodies.first_piece[body];
+    while let Some(piece) = next.checked_sub(1) {
+        let piece = piece as usize;
+        let pose = piece_motion(state, piece, &reached).at(0.0);
+        state.legs.ahead[piece] = pose;
+        state.legs.ahead_bounds[piece] = Bounds::of(&state.pieces.shape[piece], &pose);
+        next = state.pieces.next[piece];
+    }
 }
 
 /// What the frame's report says of a body's flags.
@@ -57,7 +109,10 @@ fn snap(state: &mut State, body: usize, purse: &mut Purse) -> Option<u32> {
     let target = Position {
         root: state.bodies.tracker[body].target,
         local: 1.0,
+        leg: 0,
+        share: 1.0,
     };
+    reach::propose(state, body, 0);
     let count = pairs::collect_driven(state, body, &track(&target, &target)).ok()?;
     let measured = contacts::measure_touching(state, count, &target, purse);
     let free = measured && !contacts::touches_any(state, count) && !pairs::loose_near(state, body);
@@ -66,28 +121,36 @@ fn snap(state: &mut State, body: usize, purse: &mut Purse) -> Option<u32> {
     }
     state.bodies.displacement[body] = Displacement::default();
     state.legs.wanted[body] = target.root;
-    push_leg(state, body, &target, &target, 1.0);
+    let here = Position {
+        share: 0.0,
+        ..target
+    };
+    push_leg(state, body, &here, &target, 1.0, 1.0);
     Some(0)
 }
 
 /// Plans and walks the legs of one body's way; the flags to report.
-fn go(state: &mut State, body: usize, purse: &mut Purse) -> u32 {
+fn go(state: &mut State, body: usize, purses: &mut Purses) -> u32 {
     let start = Position {
         root: state.bodies.pose[body],
         local: 0.0,
+        leg: 0,
+        share: 0.0,
     };
     let wanted = Position {
         root: state.legs.wanted[body],
         local: 1.0,
+        leg: 0,
+        share: 1.0,
     };
-    let rests = start.root == wanted.root && locals_rest(state, body);
+    let rests = start.root == wanted.root && locals_rest(state, body) && angles_rest(state, body);
     if rests && state.registers.disturbed == 0 {
         return 0;
     }
-    if let Some(flags) = snap(state, body, purse) {
+    if let Some(flags) = snap(state, body, &mut purses.units) {
         return flags;
     }
-    match walk(state, body, start, wanted, purse) {
+    match walk(state, body, start, wanted, purses) {
         Ok(flags) => flags,
         Err(PairsFull) => {
             state.legs.count[body] = 0;
@@ -102,16 +165,23 @@ fn locals_rest(state: &State, body: usize) -> bool {
         .all(|piece| pieces.local[piece] == pieces.local_target[piece])
 }
 
+fn angles_rest(state: &State, body: usize) -> bool {
+    chains_of(state, body)
+        .flat_map(|chain| joints_of(state, chain))
+        .all(|joint| state.joints.angle[joint] == state.ways.wanted[joint])
+}
+
 fn walk(
     state: &mut State,
     body: usize,
     start: Position,
     wanted: Position,
-    purse: &mut Purse,
+    purses: &mut Purses,
 ) -> Result<u32, PairsFull> {
+    reach::propose(state, body, 0);
     let pairs = pairs::collect_driven(state, body, &track(&start, &wanted))?;
     if pairs == 0 {
-        push_leg(state, body, &start, &wanted, 1.0);
+        push_leg(state, body, &start, &wanted, 1.0, 1.0);
         return Ok(0);
     }
     let mut walk = Walk {
@@ -121,12 +191,12 @@ fn walk(
         pairs,
         covered: Cover::between(&start, &wanted),
         flags: 0,
-        keep_turn: false,
+        hold: Hold::default(),
     };
-    walk.leave_overlap(state, purse)?;
+    walk.leave_overlap(state, &mut purses.units)?;
     for _ in 0..ROUNDS_MAX {
         let has_room = (state.legs.count[body] as usize) < LEGS_MAX;
-        if !has_room || walk.leg(state, purse)? == Next::Done {
+        if !has_room || walk.leg(state, purses)? == Next::Done {
             break;
         }
     }
@@ -145,8 +215,7 @@ struct Walk {
     pairs: usize,
     covered: Cover,
     flags: u32,
-    /// The turn and the local poses were in the way at once: bend the translation alone.
-    keep_turn: bool,
+    hold: Hold,
 }
 
 /// Whether another leg may gain something.
@@ -164,9 +233,16 @@ impl Walk {
             return Ok(());
         }
         self.flags |= DrivenReport::OVERLAPS;
-        if let Some(root) = contacts::way_out(state, self.pairs, &self.at.root, purse) {
-            let local = self.at.local;
-            self.at = push_leg(state, self.body, &self.at, &Position { root, local }, 1.0);
+        if let Some(root) = contacts::way_out(state, self.pairs, &self.at, purse) {
+            reach::stay(state, self.body, self.at.leg);
+            let goal = Position {
+                root,
+                share: 1.0,
+                ..self.at
+            };
+            self.at = push_leg(state, self.body, &self.at, &goal, 1.0, 1.0);
+            self.wanted.leg = self.at.leg;
+            reach::propose(state, self.body, self.at.leg);
             self.collect(state, &self.wanted.clone())?;
         }
         Ok(())
@@ -176,6 +252,15 @@ impl Walk {
         self.pairs = pairs::collect_driven(state, self.body, &track(&self.at, goal))?;
         self.covered = Cover::between(&self.at, goal);
         Ok(())
+    }
+
+    /// Whether the pairs at hand are all that this leg can meet.
+    fn covers(&self, state: &State, goal: &Position) -> bool {
+        if has_chains(state, self.body) {
+            pairs::cover(state, self.body, &track(&self.at, goal))
+        } else {
+            self.covered.holds(&self.at, goal)
+        }
     }
 
     /// Measures what touches where the body is; false when the units ran out.
@@ -188,22 +273,31 @@ impl Walk {
     }
 
     /// Plans a leg along the contacts and walks as much of it as is clear.
-    fn leg(&mut self, state: &mut State, purse: &mut Purse) -> Result<Next, PairsFull> {
-        if !self.measure(state, purse) {
+    fn leg(&mut self, state: &mut State, purses: &mut Purses) -> Result<Next, PairsFull> {
+        if !self.measure(state, &mut purses.units) {
             return Ok(Next::Done);
         }
         contacts::mark_touching(state, self.pairs);
-        let plan = reach::plan(state, self.pairs, &self.at, &self.wanted, self.keep_turn);
-        if !self.covered.holds(&self.at, &plan.goal) {
+        self.wanted.leg = self.at.leg;
+        let plan = reach::plan(
+            state,
+            self.body,
+            self.pairs,
+            &self.at,
+            &self.wanted,
+            self.hold,
+            &mut purses.steps,
+        );
+        if !self.covers(state, &plan.goal) {
             self.collect(state, &plan.goal)?;
-            if !self.measure(state, purse) {
+            if !self.measure(state, &mut purses.units) {
                 return Ok(Next::Done);
             }
         }
         if plan.bent {
             self.flags |= DrivenReport::TOUCHING;
         }
-        Ok(self.sweep(state, &plan, purse))
+        Ok(self.sweep(state, &plan, &mut purses.units))
     }
 
     /// Walks a planned leg as far as it is clear and worth a step.
@@ -213,10 +307,12 @@ impl Walk {
         if plan.bent && way < STILL_M {
             return Next::Done;
         }
-        let swept = advance::run(state, self.pairs, &leg, purse);
+        let mut swept = advance::run(state, self.pairs, &leg, purse);
+        swept.reached = reach::within_cones(state, self.body, self.at.leg, swept.reached);
         let taken = swept.reached >= 1.0 || swept.reached * way >= STILL_M;
         if taken {
-            self.at = push_leg(state, self.body, &self.at, &plan.goal, swept.reached);
+            let share = plan.share;
+            self.at = push_leg(state, self.body, &self.at, &plan.goal, swept.reached, share);
         }
         advance::carry_over(
             state,
@@ -227,12 +323,25 @@ impl Walk {
         if swept.cut {
             self.flags |= DrivenReport::CUT;
         }
-        if swept.cut || swept.reached >= 1.0 {
+        if swept.cut || (swept.reached >= 1.0 && plan.share >= 1.0) {
             return Next::Done;
         }
-        self.flags |= DrivenReport::TOUCHING;
-        self.keep_turn = !taken && plan.bent;
+        if swept.reached < 1.0 {
+            self.flags |= DrivenReport::TOUCHING;
+            self.hold_what_blocks(state, taken, plan);
+        }
         Next::Leg
+    }
+
+    /// When a bent leg gained nothing, what blocked it stays as it is from here on.
+    fn hold_what_blocks(&mut self, state: &mut State, taken: bool, plan: &Plan) {
+        let stuck = !taken && plan.bent;
+        if !has_chains(state, self.body) {
+            self.hold.turn = stuck;
+        } else if stuck && !reach::hold_blocked(state, self.pairs) {
+            self.hold.root = self.hold.turn;
+            self.hold.turn = true;
+        }
     }
 }
 
@@ -253,41 +362,61 @@ fn way_m(state: &State, body: usize, leg: &BodyTrack) -> f32 {
     way
 }
 
-/// Adds a leg and gives where it ends. Time is shared out as if the body covered each leg's whole
-/// length in what was left of the frame.
+/// Adds a leg, of which `reached` was found clear, and gives where it ends. Time is shared out as if the
+/// body covered each leg's whole length in what was left of the frame; `share` of that for a leg that
+/// stands for a part of the way.
 fn push_leg(
     state: &mut State,
     body: usize,
     from: &Position,
     goal: &Position,
     reached: f32,
+    share: f32,
 ) -> Position {
     let begun = state.legs.of(body).last().map_or(0.0, |leg| leg.end_time);
-    state.legs.push(
-        body,
-        Leg {
-            from: from.root,
-            to: goal.root,
-            local_from: from.local,
-            local_to: goal.local,
-            reached,
-            end_time: if reached >= 1.0 {
-                1.0
-            } else {
-                begun + (1.0 - begun) * reached
-            },
+    let done = reached * share;
+    let leg = Leg {
+        from: from.root,
+        to: goal.root,
+        local_from: from.local,
+        local_to: goal.local,
+        reached,
+        end_time: if done >= 1.0 {
+            1.0
+        } else {
+            begun + (1.0 - begun) * done
         },
-    );
-    let local = if reached >= 1.0 {
-        goal.local
-    } else {
-        from.local + (goal.local - from.local) * reached
     };
-    state.legs.local_share[body] = local;
+    state.legs.push(body, leg);
+    let end = leg.at(from.leg, reached);
+    state.legs.local_share[body] = end.local;
+    hand_over(state, body, from.leg, reached);
     Position {
-        root: interpolate(&from.root, &goal.root, reached),
-        local,
+        leg: from.leg + 1,
+        share: 0.0,
+        ..end
     }
+}
+
+/// Starts the next leg's angles where this one's end.
+fn hand_over(state: &mut State, body: usize, leg: usize, reached: f32) {
+    if !has_chains(state, body) {
+        return;
+    }
+    let (slot, next) = (
+        slot_range(state, leg).start,
+        slot_range(state, leg + 1).start,
+    );
+    let mut chain = state.bodies.first_chain[body];
+    while let Some(index) = chain.checked_sub(1) {
+        for joint in joints_of(state, index as usize) {
+            let (from, to) = (state.ways.from[slot + joint], state.ways.to[slot + joint]);
+            state.ways.from[next + joint] = angle_at(from, to, reached);
+        }
+        chain = next_chain(state, index as usize);
+    }
+    place_links(state, body, leg + 1, End::From);
+    reach::stay(state, body, leg + 1);
 }
 
 /// Ways for which the pairs at hand are all there can be.

@@ -40,7 +40,7 @@ pub(crate) fn step(state: &mut State, input: &FrameInput) -> FrameReport {
     };
     state.registers.contacts = 0;
     couple::run(state, dt_s);
-    report.advance_units = driven::run(state, input.budget.advance_units, &mut report);
+    driven::run(state, &input.budget, &mut report);
     impulses::run(state, dt_s, input.budget.impulse_units, &mut report);
     publish::run(state);
     state.registers.frame += 1;

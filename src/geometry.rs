@@ -22,5 +22,6 @@ pub mod manifold;
 pub mod union;
 
 pub mod chain;
+pub mod linkage;
 pub mod motion;
 pub mod time_of_contact;

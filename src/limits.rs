@@ -161,5 +161,12 @@ pub const REACH_CONE_EDGES_MAX: usize = 12;
 /// Most hinges of one chain: two ball joints, an elbow and a wrist of two are nine.
 pub const CHAIN_HINGES_MAX: usize = 16;
 
-/// Most goals of one chain: four contacts on each of three links.
-pub const CHAIN_GOALS_MAX: usize = 12;
+/// Most chains of one body.
+pub const CHAINS_PER_BODY_MAX: usize = 32;
+
+/// Most steps of a chain's solver on one leg, for each of three looks at its contacts. The chains of the
+/// lab's scenes need one to four.
+pub const REACH_STEPS_PER_LEG_MAX: u32 = 8;
+
+/// Most goals of one chain: its tip's place, and the points of its contacts.
+pub const CHAIN_GOALS_MAX: usize = 16;

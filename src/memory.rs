@@ -12,7 +12,7 @@ pub mod ids;
 
 pub use capacities::Capacities;
 pub use header::{BlockHead, HEADER_BYTES};
-pub use ids::{BodyId, PieceId};
+pub use ids::{BodyId, ChainId, PieceId};
 
 /// Alignment of the block and of every column in it, in bytes: one cache line.
 pub const BLOCK_ALIGNMENT: usize = 64;

@@ -4,12 +4,15 @@
 //! does not care about coherence. A mover's own box is tested first, so that a hand in free air
 //! costs one pass over the pieces' boxes.
 
+mod own;
+
 use core::ops::Range;
 
 use crate::limits::PAIR_MARGIN_M;
 use crate::math;
 use crate::state::State;
 use crate::state::bodies::BodyKind;
+use crate::state::chains::has_chains;
 use crate::state::contacts::{PairsFull, push};
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::ways::{BodyTrack, piece_motion, swept_bounds};
@@ -23,7 +26,8 @@ fn whole_bounds(state: &State, body: usize, track: &BodyTrack) -> Bounds {
             pieces.local[piece].translation().length_squared(),
             pieces.local_target[piece].translation().length_squared(),
         );
-        reach = math::max(reach, math::sqrt(arm) + pieces.shape[piece].reach);
+        let own = math::sqrt(arm) + pieces.shape[piece].reach;
+        reach = math::max(reach, own + arm_of_link(state, pieces.link[piece]));
     }
     let (from, to) = (track.root.from.translation(), track.root.to.translation());
     Bounds {
@@ -33,9 +37,21 @@ fn whole_bounds(state: &State, body: usize, track: &BodyTrack) -> Bounds {
     .grown(reach + PAIR_MARGIN_M)
 }
 
-/// Writes the pairs of a driven body that moves so with fixed pieces; how many there are.
+/// The farthest that a link can be from the root, in metres.
+fn arm_of_link(state: &State, link: u32) -> f32 {
+    let (mut arm, mut next) = (0.0, link);
+    while let Some(joint) = next.checked_sub(1) {
+        arm += state.joints.length[joint as usize];
+        next = state.joints.parent[joint as usize];
+    }
+    arm
+}
+
+/// Writes the pairs of a driven body that moves so: with fixed pieces, with pieces of other driven
+/// bodies where they are now, and of its own links with each other.
 ///
-/// Cost: a pass over all pieces' boxes, and one for each piece of the body when anything is near.
+/// Cost: a pass over all pieces' boxes, one for each piece of the body when anything is near, and one
+/// over the pairs of its own pieces when its chains meet each other.
 pub(crate) fn collect_driven(
     state: &mut State,
     body: usize,
@@ -43,9 +59,10 @@ pub(crate) fn collect_driven(
 ) -> Result<usize, PairsFull> {
     let whole = whole_bounds(state, body, track);
     state.legs.whole[body] = state.legs.whole[body].union(whole);
-    let near = fixed_near(state, &whole);
+    let near = obstacles_near(state, body, &whole);
     let mut count = 0;
-    let mut current = if near.is_empty() {
+    let keeps = has_chains(state, body);
+    let mut current = if near.is_empty() && !keeps {
         0
     } else {
         state.bodies.first_piece[body]
@@ -54,29 +71,54 @@ pub(crate) fn collect_driven(
         let piece = current as usize - 1;
         let motion = piece_motion(state, piece, track);
         let bounds = swept_bounds(state, piece, &motion).grown(PAIR_MARGIN_M);
+        if keeps {
+            state.pairs.swept[piece] = bounds;
+        }
         for other in near.clone() {
-            if is_fixed_near(state, other, &bounds) {
+            if is_obstacle_near(state, other, body, &bounds) && !pass(state, piece, other) {
                 push(state, &mut count, piece, other)?;
             }
         }
         current = state.pieces.next[piece];
     }
+    if keeps {
+        own::collect(state, body, track, &mut count)?;
+    }
     Ok(count)
 }
 
-fn is_fixed_near(state: &State, piece: usize, bounds: &Bounds) -> bool {
-    state.pieces.body_kind[piece] == BodyKind::Fixed.code()
-        && state.pieces.bounds[piece].overlaps(bounds)
+fn pass(state: &State, piece: usize, other: usize) -> bool {
+    state.pieces.body_kind[other] == BodyKind::Driven.code()
+        && state.pieces.groups[piece].pass(state.pieces.groups[other])
 }
 
-/// The range of slots that holds all fixed pieces near a box.
-fn fixed_near(state: &State, bounds: &Bounds) -> Range<usize> {
+fn is_obstacle_near(state: &State, piece: usize, body: usize, bounds: &Bounds) -> bool {
+    let kind = state.pieces.body_kind[piece];
+    if kind == BodyKind::Fixed.code() {
+        return state.pieces.bounds[piece].overlaps(bounds);
+    }
+    kind == BodyKind::Driven.code()
+        && state.registers.driven > 1
+        && state.pieces.body[piece] as usize != body
+        && state.legs.ahead_bounds[piece].overlaps(bounds)
+}
+
+/// The range of slots that holds all obstacles of a driven body near a box.
+fn obstacles_near(state: &State, body: usize, bounds: &Bounds) -> Range<usize> {
     let mut slots = 0..state.registers.piece_slots as usize;
-    let is_near = |&piece: &usize| is_fixed_near(state, piece, bounds);
+    let is_near = |&piece: &usize| is_obstacle_near(state, piece, body, bounds);
     match slots.clone().find(is_near) {
         Some(low) => low..slots.rfind(is_near).map_or(low, |high| high + 1),
         None => 0..0,
     }
+}
+
+/// Whether the pairs of a body with chains, collected for another way, hold for this one too.
+pub(crate) fn cover(state: &State, body: usize, track: &BodyTrack) -> bool {
+    PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]).all(|piece| {
+        let motion = piece_motion(state, piece, track);
+        state.pairs.swept[piece].contains(&swept_bounds(state, piece, &motion))
+    }) && own::cover(state, body, track)
 }
 
 /// Whether a piece of a dynamic body is near the box around a driven body's way.

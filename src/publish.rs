@@ -1,11 +1,13 @@
 //! Publish: poses for the host to draw.
 
+use crate::geometry::linkage::angle_at;
 use crate::geometry::motion::interpolate;
-use crate::math::{self, displacement_of};
+use crate::math::{self, Pose, displacement_of};
 use crate::state::State;
 use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, is_body_of};
+use crate::state::chains::{ChainOptions, joints_of, linkage, next_chain, slot_range};
 use crate::state::pieces::{Bounds, PiecesOf};
-use crate::state::ways::driven_at;
+use crate::state::ways::{Position, driven_at};
 use glam::Vec3;
 
 /// Writes the published poses of everything that moved.
@@ -24,14 +26,16 @@ pub(crate) fn run(state: &mut State) {
 fn publish_driven(state: &mut State, body: usize) {
     let start = state.bodies.pose[body];
     let stop = state.legs.stop_time[body];
-    let (pose, share) = driven_at(state.legs.of(body), &start, stop);
+    let reached = driven_at(state.legs.of(body), &start, stop);
     let moved = state.legs.count[body] > 0 && stop > 0.0;
     if moved {
-        state.bodies.pose[body] = pose;
-        move_locals(state, body, share);
+        state.bodies.pose[body] = reached.root;
+        move_locals(state, body, reached.local);
+        move_links(state, body, &reached);
         place_pieces(state, body);
     }
     settle(state, body, moved);
+    settle_chains(state, body);
 }
 
 /// Moves the published local poses by a share of their way to the targets.
@@ -43,15 +47,86 @@ fn move_locals(state: &mut State, body: usize, share: f32) {
     }
 }
 
-/// Recomputes the world poses and boxes of a body's pieces.
+/// Publishes the angles that a driven body has where it came to.
+fn move_links(state: &mut State, body: usize, reached: &Position) {
+    let slot = slot_range(state, reached.leg).start;
+    let mut chain = state.bodies.first_chain[body];
+    while let Some(index) = chain.checked_sub(1) {
+        for joint in joints_of(state, index as usize) {
+            let (from, to) = (state.ways.from[slot + joint], state.ways.to[slot + joint]);
+            state.joints.angle[joint] = angle_at(from, to, reached.share);
+        }
+        chain = next_chain(state, index as usize);
+    }
+    place_published_links(state, body);
+}
+
+/// Recomputes the links of a body from its published angles.
+pub(crate) fn place_published_links(state: &mut State, body: usize) {
+    let mut chain = state.bodies.first_chain[body];
+    while let Some(index) = chain.checked_sub(1) {
+        for joint in joints_of(state, index as usize) {
+            let behind = linkage(state).behind(joint, state.joints.angle[joint]);
+            let link = match state.joints.parent[joint].checked_sub(1) {
+                Some(parent) => state.joints.link[parent as usize].then(&behind),
+                None => behind,
+            };
+            state.joints.link[joint] =
+                Pose::new(math::renormalised(link.quat()), link.translation());
+        }
+        chain = next_chain(state, index as usize);
+    }
+}
+
+/// Recomputes the world poses of a body's links, and the poses and boxes of its pieces.
 pub(crate) fn place_pieces(state: &mut State, body: usize) {
     let pose = state.bodies.pose[body];
+    let mut chain = state.bodies.first_chain[body];
+    while let Some(index) = chain.checked_sub(1) {
+        for joint in joints_of(state, index as usize) {
+            state.joints.world[joint] = pose.then(&state.joints.link[joint]);
+        }
+        chain = next_chain(state, index as usize);
+    }
     let first = state.bodies.first_piece[body];
-    let pieces = &mut state.pieces;
+    let (pieces, joints) = (&mut state.pieces, &state.joints);
     for piece in PiecesOf::new(pieces.next, first) {
-        let world = pose.then(&pieces.local[piece]);
+        let frame = match pieces.link[piece].checked_sub(1) {
+            Some(joint) => joints.world[joint as usize],
+            None => pose,
+        };
+        let world = frame.then(&pieces.local[piece]);
         pieces.world[piece] = world;
         pieces.bounds[piece] = Bounds::of(&pieces.shape[piece], &world);
+    }
+}
+
+/// Writes down how far contact holds each chain from its tracked angles and its tracked tip.
+fn settle_chains(state: &mut State, body: usize) {
+    let mut chain = state.bodies.first_chain[body];
+    while let Some(index) = chain.checked_sub(1) {
+        let index = index as usize;
+        let mut most = 0.0;
+        for joint in joints_of(state, index) {
+            let joints = &mut state.joints;
+            let deviation = joints.angle[joint] - joints.target[joint];
+            if joints.angle[joint] != state.ways.wanted[joint] {
+                joints.deviation[joint] = deviation;
+            }
+            most = math::max(most, deviation.abs());
+        }
+        state.chains.report[index].deviation_rad = most;
+        settle_tip(state, index);
+        chain = next_chain(state, index);
+    }
+}
+
+fn settle_tip(state: &mut State, chain: usize) {
+    let options = &state.chains.options[chain];
+    if options.has(ChainOptions::HOLDS_TIP) {
+        let last = joints_of(state, chain).end - 1;
+        let tip = state.joints.world[last].point(Vec3::from_array(options.tip));
+        state.chains.tip_offset[chain] = tip - state.chains.tip_tracked[chain];
     }
 }
 

@@ -1,6 +1,7 @@
 //! What the columns mean. Split by who reads them, not by the thing they belong to.
 
 pub mod bodies;
+pub mod chains;
 pub mod contacts;
 pub mod materials;
 pub mod pieces;
@@ -16,6 +17,7 @@ use crate::memory::hash::StateHash;
 use crate::memory::header::Header;
 
 use bodies::Bodies;
+use chains::{AngleWays, Chains, Joints};
 use contacts::{ContactPoints, Pairs};
 use materials::{BUILT_IN_MATERIALS, Materials};
 use pieces::{Pieces, Pools};
@@ -47,8 +49,12 @@ pub(crate) struct Registers {
     /// One while the host may have made overlap: it placed or changed something since the last frame,
     /// or a driven body still overlaps.
     pub disturbed: u32,
-    /// Zero.
-    pub padding: u32,
+    /// One past the highest chain slot ever used.
+    pub chain_slots: u32,
+    /// Joints in use.
+    pub joints: u32,
+    /// Driven bodies in use.
+    pub driven: u32,
     /// The most that was ever in use at once.
     pub high_water: Capacities,
 }
@@ -62,16 +68,23 @@ pub(crate) struct State<'a> {
     pub pools: Pools<'a>,
     pub materials: Materials<'a>,
     pub contacts: ContactPoints<'a>,
+    pub chains: Chains<'a>,
+    pub joints: Joints<'a>,
     /// Scratch of a frame; means nothing between frames.
     pub pairs: Pairs<'a>,
     /// Scratch of a frame; means nothing between frames.
     pub legs: Legs<'a>,
+    /// Scratch of a frame; means nothing between frames.
+    pub ways: AngleWays<'a>,
 }
 
 impl<'a> State<'a> {
     /// Bytes of the block with these capacities, which are within bounds.
     pub(crate) const fn bytes(capacities: &Capacities) -> u64 {
-        Self::lasting_bytes(capacities) + Pairs::bytes(capacities) + Legs::bytes(capacities)
+        Self::lasting_bytes(capacities)
+            + Pairs::bytes(capacities)
+            + Legs::bytes(capacities)
+            + AngleWays::bytes(capacities)
     }
 
     /// Bytes of what outlives a frame, columns one behind the other.
@@ -83,6 +96,8 @@ impl<'a> State<'a> {
             + Pools::bytes(capacities)
             + Materials::bytes(capacities)
             + ContactPoints::bytes(capacities)
+            + Chains::bytes(capacities)
+            + Joints::bytes(capacities)
     }
 
     /// Cuts a block that was judged long enough and aligned.
@@ -96,8 +111,11 @@ impl<'a> State<'a> {
             pools: Pools::cut(&mut uncut, capacities),
             materials: Materials::cut(&mut uncut, capacities),
             contacts: ContactPoints::cut(&mut uncut, capacities),
+            chains: Chains::cut(&mut uncut, capacities),
+            joints: Joints::cut(&mut uncut, capacities),
             pairs: Pairs::cut(&mut uncut, capacities),
             legs: Legs::cut(&mut uncut, capacities),
+            ways: AngleWays::cut(&mut uncut, capacities),
         }
     }
 
@@ -114,6 +132,8 @@ impl<'a> State<'a> {
         self.pools.visit(visitor);
         self.materials.visit(visitor);
         self.contacts.visit(visitor);
+        self.chains.visit(visitor);
+        self.joints.visit(visitor);
     }
 
     /// Calls `visitor` with every column that outlives a frame, for writing.
@@ -125,6 +145,8 @@ impl<'a> State<'a> {
         self.pools.visit_mut(visitor);
         self.materials.visit_mut(visitor);
         self.contacts.visit_mut(visitor);
+        self.chains.visit_mut(visitor);
+        self.joints.visit_mut(visitor);
     }
 
     /// Materials there is room for, the built-in ones included.
@@ -159,5 +181,7 @@ impl<'a> State<'a> {
         mark.pieces = mark.pieces.max(registers.piece_slots);
         mark.vertices = mark.vertices.max(registers.vertices);
         mark.materials = mark.materials.max(registers.materials);
+        mark.joints = mark.joints.max(registers.joints);
+        mark.chains = mark.chains.max(registers.chain_slots);
     }
 }

@@ -2,12 +2,14 @@
 //! reading what came out.
 
 mod bodies;
+mod chains;
 mod hands;
 mod pieces;
 mod query;
 mod snapshot;
 
 pub use bodies::{AddBodyError, BodyDef, BodyError};
+pub use chains::{AddChainError, ChainDef, ChainError, TIP_STEPS_MAX};
 pub use hands::{JointInput, JointUse, SetJointsError};
 pub use pieces::{AddPieceError, PieceDef, Shape};
 pub use query::BodyPenetration;

@@ -467,6 +467,7 @@ impl Random {
             0 => Budget {
                 advance_units: self.below(20),
                 impulse_units: self.below(20),
+                reach_steps: self.below(20),
             },
             _ => Budget::UNLIMITED,
         }

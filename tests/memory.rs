@@ -20,8 +20,8 @@ const FRAME_S: f32 = 1.0 / 60.0;
 const ROOM_BYTES: usize = Capacities::ROOM.bytes();
 const _: () = assert!(ROOM_BYTES.is_multiple_of(BLOCK_ALIGNMENT));
 
-/// The header is the first column: magic, bytes, layout, six capacities, padding, checksum.
-const HEADER_BYTES: usize = 56;
+/// The header is the first column: magic, bytes, layout, eight capacities, padding, checksum.
+const HEADER_BYTES: usize = 64;
 
 const SMALL: Capacities = Capacities {
     bodies: 4,
@@ -30,6 +30,8 @@ const SMALL: Capacities = Capacities {
     pairs: 16,
     contacts: 16,
     materials: 2,
+    chains: 2,
+    joints: 9,
 };
 
 const NOTHING: Capacities = Capacities {
@@ -39,6 +41,8 @@ const NOTHING: Capacities = Capacities {
     pairs: 0,
     contacts: 0,
     materials: 0,
+    chains: 0,
+    joints: 0,
 };
 
 /// A generator of 32 random bits; the same seed gives the same sequence everywhere.
@@ -651,6 +655,8 @@ fn pools_stay_whole_under_adding_and_removing_in_any_order() {
         pairs: 64,
         contacts: 16,
         materials: 0,
+        chains: 0,
+        joints: 0,
     };
     for seed in 1..=8 {
         let mut random = Random(seed);

@@ -244,6 +244,7 @@ fn without_a_budget_a_body_goes_only_where_boxes_alone_prove_it_safe() {
         budget: Budget {
             advance_units: 0,
             impulse_units: 0,
+            reach_steps: 0,
         },
     };
     for _ in 0..10 {

@@ -61,6 +61,8 @@ const SMALL: Capacities = Capacities {
     pairs: 16,
     contacts: 16,
     materials: 2,
+    chains: 2,
+    joints: 9,
 };
 
 #[test]

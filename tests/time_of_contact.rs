@@ -39,7 +39,7 @@ impl Way {
         }
     }
 
-    fn motion(&self, hull: &Hull) -> Motion {
+    fn motion(&self, hull: &Hull) -> Motion<'_> {
         Motion::new(self.root, self.local, hull.view().core_reach())
     }
 

@@ -25,6 +25,8 @@ pub const CAPACITIES: Capacities = Capacities {
     pairs: 512,
     contacts: 128,
     materials: 0,
+    chains: 0,
+    joints: 0,
 };
 
 /// Names of things in a world.

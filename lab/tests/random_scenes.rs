@@ -118,7 +118,7 @@ impl Scene {
             dt_s: between(&mut self.random, 1e-3, 0.03) as f32,
             budget: Budget {
                 advance_units,
-                impulse_units: u32::MAX,
+                ..Budget::UNLIMITED
             },
         });
     }

@@ -10,6 +10,9 @@ pub struct Budget {
     pub advance_units: u32,
     /// Units for loose objects: distance queries and impulses.
     pub impulse_units: u32,
+    /// Steps of the solvers of chains: sweeps of cyclic descent, or least-deviation steps. A chain that
+    /// gets none goes as far as contact lets its joints follow the trackers.
+    pub reach_steps: u32,
 }
 
 impl Budget {
@@ -17,5 +20,6 @@ impl Budget {
     pub const UNLIMITED: Self = Self {
         advance_units: u32::MAX,
         impulse_units: u32::MAX,
+        reach_steps: u32::MAX,
     };
 }

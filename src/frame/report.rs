@@ -12,6 +12,8 @@ pub struct FrameReport {
     pub advance_units: u32,
     /// Units spent on loose objects.
     pub impulse_units: u32,
+    /// Steps spent on chains; none while nothing touches one.
+    pub reach_steps: u32,
     /// Contacts that the host can read.
     pub contacts: u32,
     /// Impulses applied.
@@ -35,6 +37,8 @@ impl FrameReport {
     pub const FULL_CONTACTS: u32 = 1 << 5;
     /// A driven body overlaps a fixed one where the host put it.
     pub const OVERLAP: u32 = 1 << 6;
+    /// The budget's steps for chains were used up.
+    pub const REACH_CUT: u32 = 1 << 7;
 
     pub(crate) fn set(&mut self, flag: u32) {
         self.flags |= flag;

@@ -164,6 +164,19 @@ impl Ball {
         self.place(angles, own);
     }
 
+    /// The ball's angles for a rotation of what follows it against its rest frame: the limb's swing, and
+    /// the twist that is left. Of equal ones those nearest to the chain's.
+    pub fn set_turn(&self, turn: Quat, angles: &mut [f32]) {
+        let Some([_, _, twist_now]) = self.own(angles) else {
+            return;
+        };
+        let [[a, b, _], _] = self.aimed(turn * Vec3::Z, angles);
+        let swing = turn_about(Vec3::X, a) * turn_about(Vec3::Y, b);
+        let rest = swing.conjugate() * turn;
+        let twist = turns_nearest(2.0 * math::atan2(rest.z, rest.w), twist_now);
+        self.place(angles, [a, b, twist]);
+    }
+
     fn place(&self, angles: &mut [f32], own: [f32; BALL_HINGES]) {
         for (angle, found) in angles.iter_mut().skip(self.first).zip(own) {
             *angle = found;
@@ -213,13 +226,15 @@ impl Ball {
 /// How often cone and hinges are asked in turn.
 const ALTERNATIONS_MAX: u32 = 8;
 
-fn limb_at(a: f32, b: f32) -> Vec3 {
+/// The limb of a ball joint with these angles of its first two hinges, in the first one's rest frame.
+#[must_use]
+pub fn limb_at(a: f32, b: f32) -> Vec3 {
     let across = math::cos(b);
     Vec3::new(math::sin(b), -math::sin(a) * across, math::cos(a) * across)
 }
 
 /// The angle that differs from `angle` by whole turns and is within half a turn of `near`.
-fn turns_nearest(angle: f32, near: f32) -> f32 {
+pub(crate) fn turns_nearest(angle: f32, near: f32) -> f32 {
     let mut angle = angle;
     for _ in 0..4 {
         if angle - near > PI {
@@ -271,4 +286,33 @@ pub fn posture(hinges: &[Hinge], root: &Pose, angles: &[f32]) -> Posture {
 fn turn_about(axis: Vec3, angle: f32) -> Quat {
     let v = axis * math::sin(0.5 * angle);
     Quat::from_xyzw(v.x, v.y, v.z, math::cos(0.5 * angle))
+}
+
+/// One joint as a chain is made from it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum JointDef {
+    /// A joint with one axis.
+    Hinge(Hinge),
+    /// Three hinges in one place with the axes X, Y and Z of the rest frame: [`Ball`].
+    Ball {
+        /// Pose of the joint in the frame of the link before it, or of what the chain hangs on.
+        rest: Pose,
+        /// Least twist about the limb in radians.
+        twist_low_rad: f32,
+        /// Largest twist about the limb in radians.
+        twist_high_rad: f32,
+        /// Where the limb, Z turned by the first two hinges, may point, in the rest frame.
+        cone: ReachCone,
+    },
+}
+
+impl JointDef {
+    /// How many hinges the joint takes.
+    #[must_use]
+    pub const fn hinges(&self) -> usize {
+        match self {
+            Self::Hinge(_) => 1,
+            Self::Ball { .. } => 3,
+        }
+    }
 }

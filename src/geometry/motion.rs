@@ -5,6 +5,7 @@
 
 use glam::{Quat, Vec3};
 
+use super::linkage::{LinkPath, PathBounds};
 use crate::math::{self, Pose};
 
 /// The way of one frame: positions linear, orientations by normalised linear interpolation along
@@ -59,12 +60,17 @@ impl Track {
     #[inline]
     #[must_use]
     pub fn at(&self, time: f32) -> Pose {
-        let share = self.start + (self.end - self.start) * time;
-        interpolate(
-            &self.from,
-            &self.to,
-            if time >= 1.0 { self.end } else { share },
-        )
+        interpolate(&self.from, &self.to, self.share(time))
+    }
+
+    /// The share of the way that is done at a time in 0..=1.
+    #[inline]
+    fn share(&self, time: f32) -> f32 {
+        if time >= 1.0 {
+            self.end
+        } else {
+            self.start + (self.end - self.start) * time
+        }
     }
 
     /// With q the normalised interpolation and half-angle f between the ends, the angular speed is
@@ -104,10 +110,11 @@ fn interpolate_rotation(from: Quat, to: Quat, share: f32) -> Quat {
     math::renormalised(from + (to - from) * share)
 }
 
-/// How a piece moves: by its root and within its root's frame.
+/// How a piece moves: by its root, with a link of its root's skeleton, and within that frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion {
+pub struct Motion<'a> {
     root: Track,
+    link: Option<LinkPath<'a>>,
     local: Track,
     /// Linear velocity that the whole root shares.
     pub linear: Vec3,
@@ -117,24 +124,42 @@ pub struct Motion {
     pub acceleration: f32,
 }
 
-impl Motion {
+impl<'a> Motion<'a> {
     /// The motion of a piece whose core lies within `core_reach_m` of its own origin.
     ///
     /// A point x of the piece is at p(t) + R(t) (l(t) + L(t) x), so its second derivative is
     /// R'' (l + L x) + 2 R' (l' + L' x) + R L'' x: p and l move linearly.
     #[must_use]
     pub fn new(root: Track, local: Track, core_reach_m: f32) -> Self {
+        Self::with(root, None, local, core_reach_m)
+    }
+
+    /// The motion of a piece on a link. The link's shares are those of the root's track.
+    ///
+    /// Cost: two passes over the hinges between the link and the root.
+    #[must_use]
+    pub fn of_link(root: Track, link: LinkPath<'a>, local: Track, core_reach_m: f32) -> Self {
+        Self::with(root, Some(link), local, core_reach_m)
+    }
+
+    fn with(root: Track, link: Option<LinkPath<'a>>, local: Track, core_reach_m: f32) -> Self {
         let (r, l) = (root.bounds(), local.bounds());
         let arm = arm_m(&local) + core_reach_m;
-        let local_speed = math::length(l.linear) + l.angular * core_reach_m;
+        let path = link.map_or(PathBounds::default(), |link| link.bounds(arm));
+        let arm = math::max(path.arm, arm);
+        let span = root.end - root.start;
+        let own_speed = math::length(l.linear) + l.angular * core_reach_m;
+        let local_speed = own_speed + path.speed * span;
         Self {
             root,
+            link,
             local,
             linear: r.linear,
             turning: r.angular * arm + local_speed,
             acceleration: r.curvature * arm
                 + 2.0 * r.angular * local_speed
-                + l.curvature * core_reach_m,
+                + l.curvature * core_reach_m
+                + span * (path.acceleration * span + 2.0 * path.angular * own_speed),
         }
     }
 
@@ -143,6 +168,7 @@ impl Motion {
     pub fn still(pose: Pose) -> Self {
         Self {
             root: Track::still(pose),
+            link: None,
             local: Track::still(Pose::IDENTITY),
             linear: Vec3::ZERO,
             turning: 0.0,
@@ -154,7 +180,10 @@ impl Motion {
     #[inline]
     #[must_use]
     pub fn at(&self, time: f32) -> Pose {
-        let root = self.root.at(time);
+        let mut root = self.root.at(time);
+        if let Some(link) = &self.link {
+            root = root.then(&link.at(self.root.share(time)));
+        }
         if self.local.to == Pose::IDENTITY && self.local.from == Pose::IDENTITY {
             return root;
         }

@@ -41,9 +41,9 @@ pub struct MovingPair<'a> {
     /// The second piece.
     pub b: Convex<'a>,
     /// How the first moves.
-    pub motion_a: Motion,
+    pub motion_a: Motion<'a>,
     /// How the second moves.
-    pub motion_b: Motion,
+    pub motion_b: Motion<'a>,
 }
 
 /// The gap between parallel planes with normal `n` (from B into A) that enclose the pieces.

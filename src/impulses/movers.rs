@@ -72,7 +72,7 @@ pub(super) fn is_stopped(state: &State, body: usize, time: f32) -> bool {
 }
 
 /// The motion of any piece through a stretch.
-pub(super) fn motion(state: &State, piece: usize, stretch: &Stretch) -> Motion {
+pub(super) fn motion<'a>(state: &'a State, piece: usize, stretch: &Stretch) -> Motion<'a> {
     let body = state.pieces.body[piece] as usize;
     let kind = state.pieces.body_kind[piece];
     if kind == BodyKind::Dynamic.code() {
@@ -84,7 +84,12 @@ pub(super) fn motion(state: &State, piece: usize, stretch: &Stretch) -> Motion {
     }
 }
 
-fn dynamic_motion(state: &State, piece: usize, body: usize, stretch: &Stretch) -> Motion {
+fn dynamic_motion<'a>(
+    state: &'a State,
+    piece: usize,
+    body: usize,
+    stretch: &Stretch,
+) -> Motion<'a> {
     let from = centre_pose(state, body);
     let to = if is_stopped(state, body, stretch.from) {
         from
@@ -106,11 +111,10 @@ pub(super) fn driven_track(state: &State, body: usize, stretch: &Stretch) -> Bod
     let start = state.bodies.pose[body];
     let legs = state.legs.of(body);
     if stop <= stretch.from {
-        let (pose, local) = driven_at(legs, &start, stop);
-        return BodyTrack::still(pose, local);
+        return driven_at(legs, &start, stop).still();
     }
     let mut begun = 0.0;
-    for leg in legs {
+    for (index, leg) in legs.iter().enumerate() {
         if stretch.from < leg.end_time {
             let share = |time: f32| leg.reached * (time - begun) / (leg.end_time - begun);
             let local = |share: f32| leg.local_from + (leg.local_to - leg.local_from) * share;
@@ -129,12 +133,12 @@ pub(super) fn driven_track(state: &State, body: usize, stretch: &Stretch) -> Bod
                 },
                 local_from: local(first),
                 local_to: local(end),
+                leg: index,
             };
         }
         begun = leg.end_time;
     }
-    let (pose, local) = driven_at(legs, &start, 1.0);
-    BodyTrack::still(pose, local)
+    driven_at(legs, &start, 1.0).still()
 }
 
 /// Moves all dynamic bodies through the share `reached` of a stretch.

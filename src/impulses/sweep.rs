@@ -49,8 +49,8 @@ pub(super) fn begin(state: &mut State) {
 fn driven_bounds(state: &State, piece: usize) -> Bounds {
     let body = state.pieces.body[piece] as usize;
     let mut bounds = state.pieces.bounds[piece];
-    for leg in state.legs.of(body) {
-        let track = leg_track(leg);
+    for (index, leg) in state.legs.of(body).iter().enumerate() {
+        let track = leg_track(leg, index);
         bounds = bounds.union(ways::swept_bounds(
             state,
             piece,
@@ -60,8 +60,8 @@ fn driven_bounds(state: &State, piece: usize) -> Bounds {
     bounds
 }
 
-/// The whole way of a leg.
-fn leg_track(leg: &Leg) -> BodyTrack {
+/// The whole way of a leg, the `index`-th of its body.
+fn leg_track(leg: &Leg, index: usize) -> BodyTrack {
     BodyTrack {
         root: Track {
             from: leg.from,
@@ -71,6 +71,7 @@ fn leg_track(leg: &Leg) -> BodyTrack {
         },
         local_from: leg.local_from,
         local_to: leg.local_from + (leg.local_to - leg.local_from) * leg.reached,
+        leg: index,
     }
 }
 

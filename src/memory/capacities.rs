@@ -21,10 +21,14 @@ pub struct Capacities {
     pub contacts: u32,
     /// Materials, the three built-in ones not counted.
     pub materials: u32,
+    /// Chains of joints of all bodies.
+    pub chains: u32,
+    /// Hinges of all chains; a ball joint is three.
+    pub joints: u32,
 }
 
 impl Capacities {
-    /// Enough for one hand of 18 parts, a furnished room and a few loose objects.
+    /// Enough for an avatar or two hands with fingers, a furnished room and a few loose objects.
     pub const ROOM: Self = Self {
         bodies: 64,
         pieces: 256,
@@ -32,6 +36,8 @@ impl Capacities {
         pairs: 1024,
         contacts: 256,
         materials: 8,
+        chains: 16,
+        joints: 96,
     };
 
     /// The bound of each capacity. They keep every byte offset below 2^40 and every index in 32 bits.
@@ -42,6 +48,8 @@ impl Capacities {
         pairs: 1 << 20,
         contacts: 1 << 20,
         materials: 1 << 8,
+        chains: 1 << 16,
+        joints: 1 << 20,
     };
 
     /// Bytes of the block that a world with these capacities needs.
@@ -68,6 +76,8 @@ impl Capacities {
             && self.pairs <= Self::LARGEST.pairs
             && self.contacts <= Self::LARGEST.contacts
             && self.materials <= Self::LARGEST.materials
+            && self.chains <= Self::LARGEST.chains
+            && self.joints <= Self::LARGEST.joints
     }
 
     /// Lanes of eight vertices: every piece may leave its last lane partly empty.

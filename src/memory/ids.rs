@@ -42,6 +42,10 @@ id! {
     /// Names a piece of a body.
     PieceId
 }
+id! {
+    /// Names a chain of joints of a body.
+    ChainId
+}
 
 /// Whether a slot of this generation is in use.
 #[inline]

@@ -45,7 +45,7 @@ impl Goal {
     /// Whether the goal has to be met.
     #[must_use]
     pub fn is_hard(&self) -> bool {
-        !(self.softness > 0.0)
+        self.softness <= 0.0 || self.softness.is_nan()
     }
 
     /// What missing a soft goal costs, in rad2; nothing for a hard one.

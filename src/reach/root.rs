@@ -7,48 +7,69 @@
 use glam::Vec3;
 
 use super::Plan;
+use super::skeleton::goes_with_root;
 use crate::geometry::time_of_contact::plane_gap;
 use crate::limits::{GAP_REST_M, SLIDE_PLANES_MAX};
 use crate::math::{self, Pose};
 use crate::state::State;
-use crate::state::ways::{Position, piece_motion, track};
+use crate::state::contacts::Pair;
+use crate::state::ways::{Position, is_own, obstacle_pose, piece_motion, track};
 
 /// A half-space of translations: normal . u >= offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct HalfSpace {
-    normal: Vec3,
-    offset: f32,
+pub(super) struct HalfSpace {
+    pub normal: Vec3,
+    pub offset: f32,
 }
 
-type HalfSpaces = heapless::Vec<HalfSpace, SLIDE_PLANES_MAX>;
+pub(super) type HalfSpaces = heapless::Vec<HalfSpace, SLIDE_PLANES_MAX>;
 
 /// Where to go from `at`: the wanted position, moved by the least translation that keeps every
 /// touching piece outside its contact plane. Where no translation does (a slot, a wedge), turn and
 /// local poses stay as they are and only the wanted translation is bent; staying is then allowed.
-pub(crate) fn plan(
+///
+/// `missed` are planes that chains could not keep out of, with how far the wanted root is behind them.
+pub(super) fn plan(
     state: &State,
     pairs: usize,
     at: &Position,
     wanted: &Position,
     keep_turn: bool,
+    missed: &HalfSpaces,
 ) -> Plan {
     if !keep_turn {
-        let planes = whole_motion_planes(state, pairs, at, wanted);
+        let mut planes = whole_motion_planes(state, pairs, at, wanted);
+        for plane in missed {
+            add(&mut planes, plane.normal, plane.offset);
+        }
         let reach = reach_m(at, wanted, &planes);
         match nearest_outside(&planes) {
             Some(u) if math::length(u) <= reach => {
                 return Plan {
                     goal: Position {
                         root: moved(&wanted.root, u),
-                        local: wanted.local,
+                        ..*wanted
                     },
                     bent: u != Vec3::ZERO,
+                    share: 1.0,
                 };
             }
             _ => {}
         }
     }
     plan_translation(state, pairs, at, wanted)
+}
+
+/// Whether a pair is in contact and moves the root: its piece is on the root, or on a chain that goes
+/// with the root.
+fn moves_root(state: &State, pair: &Pair) -> bool {
+    pair.bends == 1 && !is_own(state, pair) && {
+        let link = state.pieces.link[pair.a as usize];
+        link.checked_sub(1).is_none_or(|joint| {
+            let chain = state.joints.chain[joint as usize] as usize;
+            goes_with_root(state, chain)
+        })
+    }
 }
 
 fn moved(pose: &Pose, u: Vec3) -> Pose {
@@ -78,13 +99,13 @@ fn whole_motion_planes(
     let leg = track(at, wanted);
     let mut planes = HalfSpaces::new();
     for pair in &state.pairs.list[..pairs] {
-        if pair.bends == 1 {
+        if moves_root(state, pair) {
             let (a, b) = (pair.a as usize, pair.b as usize);
             let end = plane_gap(
                 &state.pools.convex(&state.pieces.shape[a]),
                 &state.pools.convex(&state.pieces.shape[b]),
                 &piece_motion(state, a, &leg).at(1.0),
-                &state.pieces.world[b],
+                &obstacle_pose(state, b),
                 pair.normal,
             );
             add(&mut planes, pair.normal, GAP_REST_M - end);
@@ -94,7 +115,7 @@ fn whole_motion_planes(
 }
 
 /// Adds a plane; when there is no room, it takes the place of the one that binds least.
-fn add(planes: &mut HalfSpaces, normal: Vec3, offset: f32) {
+pub(super) fn add(planes: &mut HalfSpaces, normal: Vec3, offset: f32) {
     let plane = HalfSpace { normal, offset };
     if planes.push(plane).is_ok() {
         return;
@@ -115,7 +136,7 @@ fn plan_translation(state: &State, pairs: usize, at: &Position, wanted: &Positio
     let way = wanted.root.translation() - at.root.translation();
     let mut planes = HalfSpaces::new();
     for pair in &state.pairs.list[..pairs] {
-        if pair.bends == 1 {
+        if moves_root(state, pair) {
             let kept = math::min(GAP_REST_M, pair.gap);
             add(
                 &mut planes,
@@ -129,8 +150,10 @@ fn plan_translation(state: &State, pairs: usize, at: &Position, wanted: &Positio
         goal: Position {
             root: at.root.moved(step),
             local: at.local,
+            ..*wanted
         },
         bent: true,
+        share: 1.0,
     }
 }
 

@@ -197,6 +197,8 @@ columns! {
         kind: [u32; capacities.bodies],
         /// First piece, index plus one.
         first_piece: [u32; capacities.bodies],
+        /// First chain, index plus one.
+        first_chain: [u32; capacities.bodies],
         /// Published pose.
         pose: [Pose; capacities.bodies],
         mass: [BodyMass; capacities.bodies],

@@ -30,6 +30,24 @@ pub(crate) struct Shape {
     pub is_box: u32,
 }
 
+/// Which driven pieces pass through each other: of pieces of two driven bodies, or of two chains of one,
+/// those pass of which one belongs to a group that the other passes through. Fixed and dynamic bodies
+/// stop every piece.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct Groups {
+    /// A bit for each group that the piece belongs to.
+    pub member_of: u32,
+    /// A bit for each group that it passes through.
+    pub passes: u32,
+}
+
+impl Groups {
+    pub(crate) const fn pass(self, other: Self) -> bool {
+        (self.member_of & other.passes) | (self.passes & other.member_of) != 0
+    }
+}
+
 /// An axis-aligned box in the world.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -108,9 +126,13 @@ columns! {
         material: [u32; capacities.pieces],
         density: [f32; capacities.pieces],
         shape: [Shape; capacities.pieces],
-        /// Published pose in the body's frame.
+        /// The joint whose link the piece is on, index plus one; zero for the body's root.
+        link: [u32; capacities.pieces],
+        /// Which [`Groups`] the piece belongs to and passes through.
+        groups: [Groups; capacities.pieces],
+        /// Published pose in the frame of the body or of the link.
         local: [Pose; capacities.pieces],
-        /// Where the tracker wants it in the body's frame.
+        /// Where the tracker wants it in that frame.
         local_target: [Pose; capacities.pieces],
         /// Published pose in the world.
         world: [Pose; capacities.pieces],

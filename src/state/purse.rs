@@ -24,6 +24,17 @@ impl Purse {
         true
     }
 
+    /// Takes some units, at most those that are left.
+    pub(crate) fn spend(&mut self, units: u32) {
+        let units = units.min(self.left);
+        self.left -= units;
+        self.spent += units;
+    }
+
+    pub(crate) fn left(&self) -> u32 {
+        self.left
+    }
+
     pub(crate) fn spent(&self) -> u32 {
         self.spent
     }

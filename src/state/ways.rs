@@ -2,11 +2,15 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::geometry::linkage::LinkPath;
 use crate::geometry::motion::{Motion, Track, interpolate};
 use crate::limits::LEGS_MAX;
 use crate::math::Pose;
 use crate::memory::columns::columns;
 use crate::state::State;
+use crate::state::bodies::BodyKind;
+use crate::state::chains::{linkage, slot_range};
+use crate::state::contacts::Pair;
 use crate::state::pieces::Bounds;
 
 /// One straight part of a driven body's way through a frame.
@@ -41,6 +45,11 @@ columns! {
         whole: [Bounds; capacities.bodies],
         /// Share of the frame at which a loose object stopped the body; 1 when none did.
         stop_time: [f32; capacities.bodies],
+        /// Where other driven bodies are to keep out of a driven piece: its pose before its body has moved
+        /// through the frame, and the one it came to after that.
+        ahead: [Pose; capacities.pieces],
+        /// Box of that pose in the world.
+        ahead_bounds: [Bounds; capacities.pieces],
     }
 }
 
@@ -60,36 +69,143 @@ impl Legs<'_> {
     }
 }
 
-/// How a body's root and its pieces' local poses move.
+/// How a body's root, its links and its pieces' local poses move.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BodyTrack {
     pub root: Track,
     /// Shares of the way from the published to the target local poses.
     pub local_from: f32,
     pub local_to: f32,
+    /// The leg whose angles the links take, at the root's shares.
+    pub leg: usize,
 }
 
-impl BodyTrack {
-    pub(crate) fn still(pose: Pose, local: f32) -> Self {
-        Self {
-            root: Track::still(pose),
-            local_from: local,
-            local_to: local,
+/// Where a driven body is on its way through the frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Position {
+    pub root: Pose,
+    /// Share of the way from the published to the target local poses.
+    pub local: f32,
+    /// The leg whose angles the links have, and at which share of it.
+    pub leg: usize,
+    pub share: f32,
+}
+
+impl Position {
+    /// The body staying there.
+    pub(crate) const fn still(&self) -> BodyTrack {
+        BodyTrack {
+            root: Track {
+                from: self.root,
+                to: self.root,
+                start: self.share,
+                end: self.share,
+            },
+            local_from: self.local,
+            local_to: self.local,
+            leg: self.leg,
         }
     }
 }
 
+impl BodyTrack {
+    /// The same way as the body's root sees it: only links and local poses move.
+    pub(crate) const fn in_root(&self) -> Self {
+        Self {
+            root: Track {
+                from: Pose::IDENTITY,
+                to: Pose::IDENTITY,
+                start: self.root.start,
+                end: self.root.end,
+            },
+            ..*self
+        }
+    }
+}
+
+/// Where the piece is that a driven piece meets, if it does not move: a fixed one, or one of another
+/// driven body.
+pub(crate) fn obstacle_pose(state: &State, piece: usize) -> Pose {
+    if state.pieces.body_kind[piece] == BodyKind::Driven.code() {
+        state.legs.ahead[piece]
+    } else {
+        state.pieces.world[piece]
+    }
+}
+
+/// The box of that piece.
+pub(crate) fn obstacle_bounds(state: &State, piece: usize) -> Bounds {
+    if state.pieces.body_kind[piece] == BodyKind::Driven.code() {
+        state.legs.ahead_bounds[piece]
+    } else {
+        state.pieces.bounds[piece]
+    }
+}
+
+/// Whether both pieces of a pair belong to one body.
+pub(crate) fn is_own(state: &State, pair: &Pair) -> bool {
+    state.pieces.body[pair.a as usize] == state.pieces.body[pair.b as usize]
+}
+
+/// The motions of the pieces of a driven body's pair on a leg, both in the root's frame when the body
+/// owns both, else in the world.
+pub(crate) fn pair_motions<'a>(
+    state: &'a State,
+    pair: &Pair,
+    leg: &BodyTrack,
+) -> (Motion<'a>, Motion<'a>) {
+    let (a, b) = (pair.a as usize, pair.b as usize);
+    if is_own(state, pair) {
+        let leg = leg.in_root();
+        (piece_motion(state, a, &leg), piece_motion(state, b, &leg))
+    } else {
+        (
+            piece_motion(state, a, leg),
+            Motion::still(obstacle_pose(state, b)),
+        )
+    }
+}
+
+/// The whole way between the two ends of a leg.
+pub(crate) const fn track(from: &Position, to: &Position) -> BodyTrack {
+    BodyTrack {
+        root: Track::between(from.root, to.root),
+        local_from: from.local,
+        local_to: to.local,
+        leg: from.leg,
+    }
+}
+
 /// The motion of one piece of a body that moves so.
-pub(crate) fn piece_motion(state: &State, piece: usize, track: &BodyTrack) -> Motion {
+pub(crate) fn piece_motion<'a>(state: &'a State, piece: usize, track: &BodyTrack) -> Motion<'a> {
     let pieces = &state.pieces;
-    let shape = &state.pieces.shape[piece];
+    let core_reach = state.pieces.shape[piece].core_reach();
     let local = Track {
         from: pieces.local[piece],
         to: pieces.local_target[piece],
         start: track.local_from,
         end: track.local_to,
     };
-    Motion::new(track.root, local, shape.core_reach())
+    match pieces.link[piece].checked_sub(1) {
+        None => Motion::new(track.root, local, core_reach),
+        Some(joint) => {
+            let path = link_path(state, joint as usize, track.leg);
+            Motion::of_link(track.root, path, local, core_reach)
+        }
+    }
+}
+
+fn link_path<'a>(state: &'a State, joint: usize, leg: usize) -> LinkPath<'a> {
+    let slot = slot_range(state, leg);
+    let at = slot.start + joint;
+    LinkPath {
+        linkage: linkage(state),
+        joint,
+        from: &state.ways.from[slot.clone()],
+        to: &state.ways.to[slot],
+        from_pose: state.ways.from_link[at],
+        to_pose: state.ways.to_link[at],
+    }
 }
 
 /// A box around a piece's whole way.
@@ -100,43 +216,38 @@ pub(crate) fn swept_bounds(state: &State, piece: usize, motion: &Motion) -> Boun
         .grown(motion.bulge_m())
 }
 
-/// Where a driven body is at a share of the frame: its root, and the share of its pieces' way.
-pub(crate) fn driven_at(legs: &[Leg], start: &Pose, time: f32) -> (Pose, f32) {
+/// Where a driven body is at a share of the frame.
+pub(crate) fn driven_at(legs: &[Leg], start: &Pose, time: f32) -> Position {
     let mut begun = 0.0;
-    let mut last = (*start, 0.0);
-    for leg in legs {
+    let mut last = Position {
+        root: *start,
+        local: 0.0,
+        leg: 0,
+        share: 0.0,
+    };
+    for (index, leg) in legs.iter().enumerate() {
         if time < leg.end_time {
             let part = (time - begun) / (leg.end_time - begun);
-            let share = leg.reached * part;
-            return (
-                interpolate(&leg.from, &leg.to, share),
-                leg.local_from + (leg.local_to - leg.local_from) * share,
-            );
+            return leg.at(index, leg.reached * part);
         }
         begun = leg.end_time;
-        let local = if leg.reached >= 1.0 {
-            leg.local_to
-        } else {
-            leg.local_from + (leg.local_to - leg.local_from) * leg.reached
-        };
-        last = (interpolate(&leg.from, &leg.to, leg.reached), local);
+        last = leg.at(index, leg.reached);
     }
     last
 }
 
-/// Where a driven body is on its way through the frame.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Position {
-    pub root: Pose,
-    /// Share of the way from the published to the target local poses.
-    pub local: f32,
-}
-
-/// The whole way between two positions.
-pub(crate) fn track(from: &Position, to: &Position) -> BodyTrack {
-    BodyTrack {
-        root: Track::between(from.root, to.root),
-        local_from: from.local,
-        local_to: to.local,
+impl Leg {
+    /// Where the body is at a share of this leg, the `index`-th of its way.
+    pub(crate) fn at(&self, index: usize, share: f32) -> Position {
+        Position {
+            root: interpolate(&self.from, &self.to, share),
+            local: if share >= 1.0 {
+                self.local_to
+            } else {
+                self.local_from + (self.local_to - self.local_from) * share
+            },
+            leg: index,
+            share,
+        }
     }
 }

@@ -98,6 +98,8 @@ impl World<'_> {
         bodies.displacement[slot] = Displacement::default();
         bodies.report[slot] = DrivenReport::default();
         let id = BodyId::new(slot, bodies.generation[slot]);
+        bodies.first_chain[slot] = 0;
+        self.state.registers.driven += u32::from(def.kind == BodyKind::Driven);
         let slots = &mut self.state.registers.body_slots;
         *slots = (*slots).max(slot as u32 + 1);
         self.state.note_use();
@@ -113,6 +115,10 @@ impl World<'_> {
         while self.state.bodies.first_piece[body] != 0 {
             let piece = self.state.bodies.first_piece[body] as usize - 1;
             self.remove_piece_at(piece);
+        }
+        self.remove_chains(body);
+        if self.state.bodies.kind[body] == BodyKind::Driven.code() {
+            self.state.registers.driven -= 1;
         }
         let bodies = &mut self.state.bodies;
         bodies.generation[body] = bodies.generation[body].wrapping_add(1);

@@ -10,7 +10,7 @@ use crate::memory::{BodyId, PieceId};
 use crate::publish::place_pieces;
 use crate::state::bodies::{BodyKind, BodyMass};
 use crate::state::materials::Material;
-use crate::state::pieces::{PiecesOf, PoolUse};
+use crate::state::pieces::{Groups, PiecesOf, PoolUse};
 use glam::Vec3;
 
 /// The core of a piece in its own frame. A [`PieceDef`]'s radius rounds it.
@@ -105,6 +105,16 @@ impl World<'_> {
         let body = self
             .body_index(body)
             .map_err(|_| AddPieceError::StaleBody)?;
+        self.add_piece_at(body, 0, def)
+    }
+
+    /// Adds a piece to a link, index plus one, or to the root.
+    pub(super) fn add_piece_at(
+        &mut self,
+        body: usize,
+        on_link: u32,
+        def: &PieceDef,
+    ) -> Result<PieceId, AddPieceError> {
         let local = self.judge(def)?;
         let mut builder = HullBuilder::new();
         let hull = build(&mut builder, def)?;
@@ -115,6 +125,8 @@ impl World<'_> {
         pieces.body_kind[slot] = self.state.bodies.kind[body];
         pieces.material[slot] = def.material.0;
         pieces.density[slot] = def.density_kg_m3;
+        pieces.link[slot] = on_link;
+        pieces.groups[slot] = Groups::default();
         pieces.local[slot] = local;
         pieces.local_target[slot] = local;
         let id = PieceId::new(slot, pieces.generation[slot]);

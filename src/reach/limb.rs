@@ -1,0 +1,300 @@
+//! Solving one chain of a skeleton for its contacts.
+
+use arrayvec::ArrayVec;
+use glam::Vec3;
+
+use super::cyclic_descent::cyclic_descent;
+use super::goal::{Goal, Task};
+use super::least_deviation::least_deviation;
+use super::root::{HalfSpaces, add};
+use super::skeleton::goes_with_root;
+use super::touch::{Goals, Place, Touches, deepest_m};
+use crate::geometry::chain::{Ball, Posture, posture};
+use crate::geometry::linkage::angle_at;
+use crate::limits::{CHAIN_GOALS_MAX, CHAIN_HINGES_MAX, REACH_STEPS_PER_LEG_MAX, STILL_M};
+use crate::math::{self, Pose};
+use crate::state::State;
+use crate::state::chains::{
+    ChainOptions, ChainReport, End, ball_at, joints_of, place_chain, slot_range,
+};
+use crate::state::purse::Purse;
+use crate::state::ways::Position;
+
+/// A contact plane is kept when it is violated by no more than this, in metres: far below the rest gap.
+const TOLERANCE_M: f32 = 2e-6;
+
+/// A chain that violates a plane by more than this asks the root to give way, in metres.
+const MISSED_M: f32 = 2e-5;
+
+/// What a tip that is off its place costs against the angles, in m2/rad2: a radian of change is worth a
+/// hundredth of a millimetre at arm's length.
+const TIP_SOFTNESS: f32 = 1e-5;
+
+/// How often the lowest points of the touching pieces are looked for again.
+const ROUNDS: u32 = 3;
+
+/// One chain on one leg.
+pub(super) struct Limb {
+    pub chain: usize,
+    pub pairs: usize,
+    pub at: Position,
+    pub goal: Position,
+    pub wanted: Position,
+    /// Part of the way to the wanted angles and tip.
+    pub share: f32,
+}
+
+/// What solving chains came to.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Solved {
+    /// Contact changed the angles.
+    pub bent: bool,
+    /// How far a goal's point swings toward its plane between the ends of the leg, in metres.
+    pub swing_m: f32,
+}
+
+type Angles = ArrayVec<f32, CHAIN_HINGES_MAX>;
+
+/// Finds a chain's angles at the end of the leg and places its links. Without contact they are the
+/// wanted ones, and no step is spent.
+pub(super) fn solve(
+    state: &mut State,
+    limb: &mut Limb,
+    steps: &mut Purse,
+    missed: &mut HalfSpaces,
+) -> Solved {
+    let joints = joints_of(state, limb.chain);
+    let slot = slot_range(state, limb.at.leg).start;
+    let place = Place {
+        chain: limb.chain,
+        first_joint: joints.start,
+        at: limb.at,
+        goal: limb.goal,
+    };
+    let touches = if goes_with_root(state, limb.chain) {
+        Touches::new()
+    } else {
+        place.touches(state, limb.pairs)
+    };
+    let from: Angles = state.ways.from[slot..][joints.clone()]
+        .iter()
+        .copied()
+        .collect();
+    let mut wanted: Angles = from.clone();
+    if state.ways.held[limb.chain] == 0 {
+        for (index, angle) in wanted.iter_mut().enumerate() {
+            *angle = angle_at(*angle, state.ways.wanted[joints.start + index], limb.share);
+        }
+    }
+    let (angles, solved) = if touches.is_empty() {
+        (wanted, Solved::default())
+    } else {
+        let problem = Problem::new(state, limb, &place, &touches, &wanted);
+        problem.solve(state, &from, steps, missed)
+    };
+    for (index, &angle) in angles.iter().enumerate() {
+        state.ways.to[slot + joints.start + index] = angle;
+    }
+    place_chain(state, limb.chain, limb.at.leg, End::To);
+    solved
+}
+
+/// A chain's task while it is put together.
+struct Problem<'p> {
+    limb: &'p Limb,
+    place: &'p Place,
+    touches: &'p Touches,
+    wanted: &'p Angles,
+    base: Pose,
+    balls: ArrayVec<Ball, { CHAIN_HINGES_MAX / 3 }>,
+    goals: Goals,
+    /// How many of the goals are the tip's.
+    soft: usize,
+}
+
+impl<'p> Problem<'p> {
+    fn new(
+        state: &State,
+        limb: &'p Limb,
+        place: &'p Place,
+        touches: &'p Touches,
+        wanted: &'p Angles,
+    ) -> Self {
+        let first = place.first_joint;
+        let slot = slot_range(state, limb.at.leg).start;
+        let root = place.root();
+        let base = match state.chains.base[limb.chain].checked_sub(1) {
+            Some(joint) => root.then(&state.ways.to_link[slot + joint as usize]),
+            None => root,
+        };
+        let balls = joints_of(state, limb.chain).filter_map(|joint| ball_at(state, joint, first));
+        let mut new = Self {
+            limb,
+            place,
+            touches,
+            wanted,
+            base,
+            balls: balls.take(CHAIN_HINGES_MAX / 3).collect(),
+            goals: Goals::new(),
+            soft: 0,
+        };
+        new.hold_tip(state);
+        new
+    }
+
+    /// Asks for the tip's place, along which contact lets it slide.
+    fn hold_tip(&mut self, state: &State) {
+        let options = &state.chains.options[self.limb.chain];
+        if !options.has(ChainOptions::HOLDS_TIP) {
+            return;
+        }
+        let last = joints_of(state, self.limb.chain).end - 1;
+        let slot = slot_range(state, self.limb.at.leg).start;
+        let tip = Vec3::from_array(options.tip);
+        let from = self
+            .limb
+            .at
+            .root
+            .point(state.ways.from_link[slot + last].point(tip));
+        let to = state.ways.tip[self.limb.chain];
+        let place = self.place.point(from + (to - from) * self.limb.share);
+        for goal in Goal::place(last - self.place.first_joint, tip, place) {
+            let softness = TIP_SOFTNESS;
+            self.goals.push(Goal { softness, ..goal });
+        }
+        self.soft = self.goals.len();
+    }
+
+    fn task<'t>(&'t self, state: &'t State) -> Task<'t> {
+        Task {
+            hinges: &state.joints.hinge[joints_of(state, self.limb.chain)],
+            balls: &self.balls,
+            root: self.base,
+            wanted: self.wanted,
+            goals: &self.goals,
+            tolerance_m: TOLERANCE_M,
+        }
+    }
+
+    fn posture(&self, state: &State, angles: &[f32]) -> Posture {
+        let hinges = &state.joints.hinge[joints_of(state, self.limb.chain)];
+        posture(hinges, &self.base, angles)
+    }
+
+    /// Adds the goals of the lowest points of the touching pieces; whether there were new ones.
+    fn look(&mut self, state: &State, posture: &Posture) -> bool {
+        let mut found = false;
+        for touch in self.touches {
+            let link = &posture[touch.link()].link;
+            found |= self.place.add_goal(state, touch, link, &mut self.goals);
+        }
+        found
+    }
+
+    fn solve(
+        mut self,
+        state: &mut State,
+        from: &Angles,
+        steps: &mut Purse,
+        missed: &mut HalfSpaces,
+    ) -> (Angles, Solved) {
+        let (start, wanted) = (self.posture(state, from), self.posture(state, self.wanted));
+        self.look(state, &start);
+        self.look(state, &wanted);
+        let depth = deepest_m(&self.goals, &wanted);
+        state.chains.depth[self.limb.chain] = depth;
+        if depth <= TOLERANCE_M {
+            return (self.wanted.clone(), self.swing(state, from, self.wanted));
+        }
+        let (angles, mut reached) = self.rounds(state, from, steps);
+        if reached > TOLERANCE_M && steps.left() == 0 {
+            // No better than staying, which is known to be safe.
+            state.chains.report[self.limb.chain].flags |= ChainReport::CUT;
+            reached = 0.0;
+        }
+        self.report(state, &angles, reached, missed);
+        let mut solved = self.swing(state, from, &angles);
+        solved.bent = true;
+        if self.is_still(state, from, &angles) {
+            return (from.clone(), solved);
+        }
+        (angles, solved)
+    }
+
+    /// Solves, looks for lower points, and solves again; the angles and what is missed there.
+    fn rounds(&mut self, state: &mut State, from: &Angles, steps: &mut Purse) -> (Angles, f32) {
+        let chain = self.limb.chain;
+        let descends = state.chains.options[chain].method == ChainOptions::CYCLIC_DESCENT;
+        let mut angles = if descends {
+            self.wanted.clone()
+        } else {
+            from.clone()
+        };
+        let mut missed_m = 0.0;
+        for _ in 0..ROUNDS {
+            let most = steps.left().min(REACH_STEPS_PER_LEG_MAX);
+            let task = self.task(state);
+            let found = if descends {
+                cyclic_descent(&task, &mut angles, most)
+            } else {
+                least_deviation(&task, &mut angles, most)
+            };
+            steps.spend(found.steps);
+            state.chains.report[chain].steps += found.steps;
+            missed_m = found.missed_m;
+            let posture = self.posture(state, &angles);
+            if !self.look(state, &posture) || deepest_m(&self.goals, &posture) <= TOLERANCE_M {
+                break;
+            }
+        }
+        (angles, missed_m)
+    }
+
+    /// Writes down what is missed, and asks the root for it.
+    fn report(&self, state: &mut State, angles: &Angles, missed_m: f32, missed: &mut HalfSpaces) {
+        let posture = self.posture(state, angles);
+        let report = &mut state.chains.report[self.limb.chain];
+        report.flags |= ChainReport::BENT;
+        report.missed_m = missed_m;
+        if missed_m <= MISSED_M {
+            return;
+        }
+        report.flags |= ChainReport::MISSED;
+        if !state.chains.options[self.limb.chain].has(ChainOptions::MOVES_ROOT) {
+            return;
+        }
+        let moved = self.limb.goal.root.translation() - self.limb.wanted.root.translation();
+        for goal in &self.goals[self.soft..] {
+            let short = goal.missed_m(&posture);
+            if short > MISSED_M {
+                add(missed, goal.normal, short + goal.normal.dot(moved));
+            }
+        }
+    }
+
+    /// How far the goals' points swing toward their planes half way, compared to both ends.
+    fn swing(&self, state: &State, from: &Angles, to: &Angles) -> Solved {
+        let middle: Angles = from.iter().zip(to).map(|(a, b)| 0.5 * (a + b)).collect();
+        let ends = [from, to].map(|angles| self.posture(state, angles));
+        let middle = self.posture(state, &middle);
+        let swing_m = self.goals[self.soft..].iter().fold(0.0, |most, goal| {
+            let mean = 0.5 * (goal.above_m(&ends[0]) + goal.above_m(&ends[1]));
+            math::max(mean - goal.above_m(&middle), most)
+        });
+        Solved {
+            bent: false,
+            swing_m,
+        }
+    }
+
+    /// Whether no point of the chain would move by as much as is worth a step.
+    fn is_still(&self, state: &State, from: &Angles, to: &Angles) -> bool {
+        let length: f32 = joints_of(state, self.limb.chain)
+            .map(|joint| state.joints.length[joint])
+            .sum();
+        let turned: f32 = from.iter().zip(to).map(|(a, b)| (a - b).abs()).sum();
+        turned * math::max(length, 0.1) < STILL_M
+    }
+}
+
+const _: () = assert!(super::touch::TOUCHES_MAX + 3 < CHAIN_GOALS_MAX);

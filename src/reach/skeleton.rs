@@ -1,0 +1,236 @@
+//! Planning a leg of a whole skeleton: the root first, then chain by chain, bases before what hangs on
+//! them, the deepest first; and once more where a chain asks the root to give way.
+
+use arrayvec::ArrayVec;
+
+use super::limb::{self, Limb, Solved};
+use super::root::{self, HalfSpaces};
+use super::{Hold, Plan};
+use crate::geometry::chain::limb_at;
+use crate::geometry::linkage::angle_at;
+use crate::geometry::motion::interpolate;
+use crate::limits::{CHAINS_PER_BODY_MAX, GAP_FLOOR_M, GAP_REST_M};
+use crate::math;
+use crate::state::State;
+use crate::state::chains::{
+    ChainOptions, ChainReport, End, ball_at, chains_of, joints_of, place_links, slot_range,
+};
+use crate::state::purse::Purse;
+use crate::state::ways::{Position, is_own};
+
+/// How far a chain may swing toward its contact planes between the ends of a leg, in metres: what the
+/// rest gap leaves above the floor, less a part for what linear bounds lose.
+const SWING_M: f32 = 0.6 * (GAP_REST_M - GAP_FLOOR_M);
+
+/// Shortest part of the wanted way that a leg is planned for.
+const SHARE_MIN: f32 = 0.05;
+
+/// Whether a chain's links are moved by the root alone.
+pub(super) fn goes_with_root(state: &State, chain: usize) -> bool {
+    state.ways.held[chain] == 1 || state.chains.options[chain].has(ChainOptions::RIGID)
+}
+
+/// Sets the angles at the end of a leg to the wanted ones.
+pub(crate) fn propose(state: &mut State, body: usize, leg: usize) {
+    let slot = slot_range(state, leg).start;
+    let chains: Chains = chains_of(state, body).collect();
+    for chain in chains {
+        for joint in joints_of(state, chain) {
+            state.ways.to[slot + joint] = if state.ways.held[chain] == 1 {
+                state.ways.from[slot + joint]
+            } else {
+                state.ways.wanted[joint]
+            };
+        }
+    }
+    place_links(state, body, leg, End::To);
+}
+
+/// Sets the angles at the end of a leg to those at its start.
+pub(crate) fn stay(state: &mut State, body: usize, leg: usize) {
+    let slot = slot_range(state, leg);
+    let chains: Chains = chains_of(state, body).collect();
+    for chain in chains {
+        for joint in joints_of(state, chain) {
+            let at = slot.start + joint;
+            state.ways.to[at] = state.ways.from[at];
+            state.ways.to_link[at] = state.ways.from_link[at];
+        }
+    }
+}
+
+/// The largest share of a leg, no more than `reached`, at which every ball is within its cone: angles
+/// between two allowed postures need not be allowed where a cone's edges are not straight in them.
+pub(crate) fn within_cones(state: &State, body: usize, leg: usize, reached: f32) -> f32 {
+    let slot = slot_range(state, leg).start;
+    let mut share = reached;
+    for chain in chains_of(state, body) {
+        let joints = joints_of(state, chain);
+        let balls = joints
+            .clone()
+            .filter_map(|joint| ball_at(state, joint, joints.start));
+        for ball in balls {
+            let first = slot + joints.start + ball.first;
+            let limb = |share: f32| {
+                let at = |i: usize| angle_at(state.ways.from[i], state.ways.to[i], share);
+                ball.cone.contains(limb_at(at(first), at(first + 1)))
+            };
+            let mut halvings = 0;
+            while share > 0.0 && share < 1.0 && !limb(share) {
+                halvings += 1;
+                share = if halvings > 10 { 0.0 } else { 0.5 * share };
+            }
+        }
+    }
+    share
+}
+
+/// Holds the chains of the pair that blocks the way; false when there are none that move.
+pub(crate) fn hold_blocked(state: &mut State, pairs: usize) -> bool {
+    let Some(index) = state.pairs.least_certified(pairs) else {
+        return false;
+    };
+    let pair = state.pairs.list[index];
+    let pieces = if is_own(state, &pair) {
+        [pair.a, pair.b]
+    } else {
+        [pair.a, pair.a]
+    };
+    let mut found = false;
+    for piece in pieces {
+        if let Some(joint) = state.pieces.link[piece as usize].checked_sub(1) {
+            let chain = state.joints.chain[joint as usize] as usize;
+            if state.ways.held[chain] == 0 {
+                state.ways.held[chain] = 1;
+                state.chains.report[chain].flags |= ChainReport::HELD;
+                found = true;
+            }
+        }
+    }
+    found
+}
+
+pub(super) type Chains = ArrayVec<usize, CHAINS_PER_BODY_MAX>;
+
+pub(super) fn plan(
+    state: &mut State,
+    body: usize,
+    pairs: usize,
+    at: &Position,
+    wanted: &Position,
+    hold: Hold,
+    steps: &mut Purse,
+) -> Plan {
+    let mut planner = Planner {
+        body,
+        pairs,
+        at: *at,
+        hold,
+        share: 1.0,
+    };
+    let (plan, swing_m) = planner.plan(state, wanted, steps);
+    if swing_m <= SWING_M {
+        return plan;
+    }
+    // The swing grows with the square of the way.
+    planner.share = math::max(0.9 * math::sqrt(SWING_M / swing_m), SHARE_MIN);
+    let part = Position {
+        root: interpolate(&at.root, &wanted.root, planner.share),
+        local: at.local + (wanted.local - at.local) * planner.share,
+        ..*wanted
+    };
+    planner.plan(state, &part, steps).0
+}
+
+struct Planner {
+    body: usize,
+    pairs: usize,
+    at: Position,
+    hold: Hold,
+    /// Part of the way to the wanted angles.
+    share: f32,
+}
+
+impl Planner {
+    /// The plan, and how far its chains swing toward their planes on the way, in metres.
+    fn plan(&self, state: &mut State, wanted: &Position, steps: &mut Purse) -> (Plan, f32) {
+        propose(state, self.body, self.at.leg);
+        let mut missed = HalfSpaces::new();
+        let mut plan = self.root(state, wanted, &missed);
+        let mut found = self.chains(state, wanted, &plan.goal, steps, &mut missed);
+        if !missed.is_empty() && !self.hold.root {
+            let none = HalfSpaces::new();
+            let planes = core::mem::replace(&mut missed, none);
+            plan = self.root(state, wanted, &planes);
+            found = self.chains(state, wanted, &plan.goal, steps, &mut missed);
+        }
+        plan.bent |= found.bent;
+        plan.share = self.share;
+        (plan, found.swing_m)
+    }
+
+    fn root(&self, state: &State, wanted: &Position, missed: &HalfSpaces) -> Plan {
+        if self.hold.root {
+            let goal = Position {
+                root: self.at.root,
+                local: self.at.local,
+                ..*wanted
+            };
+            return Plan {
+                goal,
+                bent: true,
+                share: 1.0,
+            };
+        }
+        root::plan(state, self.pairs, &self.at, wanted, self.hold.turn, missed)
+    }
+
+    /// Solves the chains for a root. Adds to `missed` what they could not keep out of.
+    fn chains(
+        &self,
+        state: &mut State,
+        wanted: &Position,
+        goal: &Position,
+        steps: &mut Purse,
+        missed: &mut HalfSpaces,
+    ) -> Solved {
+        let mut all = Solved::default();
+        let mut left: Chains = chains_of(state, self.body).collect();
+        while let Some(place) = next(state, &left) {
+            let chain = left.remove(place);
+            let mut limb = Limb {
+                chain,
+                pairs: self.pairs,
+                at: self.at,
+                goal: *goal,
+                wanted: *wanted,
+                share: self.share,
+            };
+            let solved = limb::solve(state, &mut limb, steps, missed);
+            all.bent |= solved.bent;
+            all.swing_m = math::max(all.swing_m, solved.swing_m);
+        }
+        all
+    }
+}
+
+/// The place in the list of the chain to solve next: of those whose base is solved the one that was
+/// deepest when it was last solved, the first of those that tie.
+fn next(state: &State, left: &Chains) -> Option<usize> {
+    let is_ready = |chain: usize| {
+        let base = state.chains.base[chain].checked_sub(1);
+        base.is_none_or(|joint| {
+            let under = state.joints.chain[joint as usize] as usize;
+            !left.contains(&under)
+        })
+    };
+    let mut best: Option<usize> = None;
+    for (place, &chain) in left.iter().enumerate() {
+        let deeper =
+            best.is_none_or(|best| state.chains.depth[chain] > state.chains.depth[left[best]]);
+        if is_ready(chain) && deeper {
+            best = Some(place);
+        }
+    }
+    best
+}
