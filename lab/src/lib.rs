@@ -2,6 +2,7 @@
 //! this.
 
 pub mod accuracy;
+pub mod avatar;
 pub mod gallery;
 pub mod hand;
 pub mod hand_scene;
