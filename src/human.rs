@@ -32,7 +32,8 @@
 use arrayvec::ArrayVec;
 use glam::{Quat, Vec3};
 
-use crate::geometry::chain::{Ball, Hinge};
+pub use crate::geometry::chain::JointDef;
+use crate::geometry::chain::{Ball, Hinge, SWING_RAD};
 use crate::geometry::reach_cone::ReachCone;
 use crate::limits::CHAIN_HINGES_MAX;
 use crate::math::{self, Pose};
@@ -48,74 +49,9 @@ pub use limbs::{Base, Limb, LimbDef, limb, limb_on_root};
 /// Most joints of one limb: an arm has a ball and four hinges.
 pub const LIMB_JOINTS_MAX: usize = 5;
 
-/// The swing's first angle may be this large. The cone decides; an arm raised past overhead goes beyond
-/// half a turn without a jump.
-pub const SWING_RAD: f32 = 1.5 * core::f32::consts::PI;
-
 const QUARTER: f32 = core::f32::consts::FRAC_PI_2;
 
-/// One joint as a chain is made from it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum JointDef {
-    /// One axis.
-    Hinge(Hinge),
-    /// Three hinges in one place with the axes X, Y and Z of the rest pose. Z turned by the first two is
-    /// the limb, the third is its twist.
-    Ball {
-        /// Pose in the frame of the link before it.
-        rest: Pose,
-        /// Least twist in radians.
-        twist_low_rad: f32,
-        /// Largest twist in radians.
-        twist_high_rad: f32,
-        /// Where the limb may point, in the rest frame.
-        cone: ReachCone,
-    },
-}
-
 impl JointDef {
-    /// One, or three for a ball.
-    #[must_use]
-    pub const fn hinge_count(&self) -> usize {
-        match self {
-            Self::Hinge(_) => 1,
-            Self::Ball { .. } => 3,
-        }
-    }
-
-    /// Pose in the frame of the link before it.
-    #[must_use]
-    pub const fn rest(&self) -> Pose {
-        match self {
-            Self::Hinge(hinge) => hinge.rest,
-            Self::Ball { rest, .. } => *rest,
-        }
-    }
-
-    /// The joint as hinges. A ball's first two are as wide as the swing can be; its cone limits them.
-    #[must_use]
-    pub fn hinges(&self) -> ArrayVec<Hinge, 3> {
-        let one = |rest, axis, low_rad, high_rad| Hinge {
-            rest,
-            axis,
-            low_rad,
-            high_rad,
-        };
-        match *self {
-            Self::Hinge(hinge) => ArrayVec::from_iter([hinge]),
-            Self::Ball {
-                rest,
-                twist_low_rad,
-                twist_high_rad,
-                ..
-            } => ArrayVec::from([
-                one(rest, Vec3::X, -SWING_RAD, SWING_RAD),
-                one(Pose::IDENTITY, Vec3::Y, -QUARTER, QUARTER),
-                one(Pose::IDENTITY, Vec3::Z, twist_low_rad, twist_high_rad),
-            ]),
-        }
-    }
-
     /// The same joint on the other side of the plane x = 0, see [`mirrored_ball_angles`].
     ///
     /// # Panics

@@ -177,23 +177,21 @@ impl World<'_> {
             joint - 1
         };
         for def in defs {
-            match *def {
-                JointDef::Hinge(hinge) => {
-                    let rest = hinge.rest.normalised(WORLD_REACH_M).unwrap_or_default();
-                    let axis = math::direction(hinge.axis).unwrap_or(Vec3::X);
-                    let hinge = Hinge {
+            let is_ball = def.hinge_count() == 3;
+            for (index, hinge) in def.hinges().into_iter().enumerate() {
+                let rest = hinge.rest.normalised(WORLD_REACH_M).unwrap_or_default();
+                let axis = math::direction(hinge.axis).unwrap_or(Vec3::X);
+                let at = put(
+                    &mut self.state,
+                    Hinge {
                         rest,
                         axis,
                         ..hinge
-                    };
-                    put(&mut self.state, hinge, false);
-                }
-                JointDef::Ball { cone, .. } => {
-                    let [a, b, c] = ball_hinges(def);
-                    let first = put(&mut self.state, a, true);
-                    put(&mut self.state, b, false);
-                    put(&mut self.state, c, false);
-                    self.state.joints.cone[cone_slot(first)] = cone;
+                    },
+                    is_ball && index == 0,
+                );
+                if let (JointDef::Ball { cone, .. }, 0) = (def, index) {
+                    self.state.joints.cone[cone_slot(at)] = *cone;
                 }
             }
         }
@@ -537,38 +535,9 @@ impl World<'_> {
     }
 }
 
-/// The hinges of a ball.
-fn ball_hinges(def: &JointDef) -> [Hinge; 3] {
-    let JointDef::Ball {
-        rest,
-        twist_low_rad,
-        twist_high_rad,
-        ..
-    } = *def
-    else {
-        unreachable!("only balls have three hinges");
-    };
-    let swing = |rest: Pose, axis: Vec3| Hinge {
-        rest,
-        axis,
-        low_rad: -core::f32::consts::TAU,
-        high_rad: core::f32::consts::TAU,
-    };
-    [
-        swing(rest.normalised(WORLD_REACH_M).unwrap_or_default(), Vec3::X),
-        swing(Pose::IDENTITY, Vec3::Y),
-        Hinge {
-            rest: Pose::IDENTITY,
-            axis: Vec3::Z,
-            low_rad: twist_low_rad,
-            high_rad: twist_high_rad,
-        },
-    ]
-}
-
 /// Refuses joints that make no chain; how many hinges they take.
 fn judge_joints(defs: &[JointDef]) -> Result<usize, AddChainError> {
-    let hinges: usize = defs.iter().map(JointDef::hinges).sum();
+    let hinges: usize = defs.iter().map(JointDef::hinge_count).sum();
     if hinges == 0 || hinges > CHAIN_HINGES_MAX {
         return Err(AddChainError::WrongCount);
     }
