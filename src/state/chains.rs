@@ -119,6 +119,10 @@ columns! {
         report: [ChainReport; capacities.chains],
         /// From the tracked tip to the published one, in the world.
         tip_offset: [Vec3; capacities.chains],
+        /// Where the tracker itself sees the tip, in the world, when it does.
+        tip_seen: [Vec3; capacities.chains],
+        /// One when it does, zero when the tracked angles say where the tip is.
+        is_tip_seen: [u32; capacities.chains],
         /// Where the tracked tip was in the last frame.
         tip_tracked: [Vec3; capacities.chains],
         /// How deep the chain was when it was last solved, in metres: the deepest is solved first.

@@ -118,6 +118,7 @@ impl World<'_> {
         chains.report[slot] = ChainReport::default();
         chains.tip_offset[slot] = Vec3::ZERO;
         chains.tip_tracked[slot] = Vec3::ZERO;
+        chains.is_tip_seen[slot] = 0;
         chains.depth[slot] = 0.0;
         let id = ChainId::new(slot, chains.generation[slot]);
         self.store_joints(slot, def.joints);
@@ -361,6 +362,7 @@ impl World<'_> {
             return Err(ChainError::BadAngle);
         }
         self.state.joints.target[joints].copy_from_slice(angles);
+        self.state.chains.is_tip_seen[chain] = 0;
         self.keep_targets(chain);
         Ok(())
     }
@@ -393,6 +395,7 @@ impl World<'_> {
         if !poses.iter().all(|p| p.normalised(WORLD_REACH_M).is_some()) {
             return Err(ChainError::BadPose);
         }
+        self.state.chains.is_tip_seen[chain] = 0;
         let mut before = self.target_base(chain).quat();
         let mut joint = joints.start;
         for pose in poses {
@@ -475,6 +478,9 @@ impl World<'_> {
         let last = reached.last().map_or(root, |placed| placed.link);
         self.state.joints.target[joints].copy_from_slice(angles);
         self.keep_targets(chain);
+        let chains = &mut self.state.chains;
+        chains.is_tip_seen[chain] = 1;
+        chains.tip_seen[chain] = tip.point(Vec3::from_array(chains.options[chain].tip));
         Ok(math::length(
             last.translation() + base.translation() - tip.translation(),
         ))
