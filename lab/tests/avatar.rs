@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use palpable::math::Pose;
 use palpable_lab::avatar::motions::{
     JOINT_SPEED_MAX, MOTION_HEIGHT_M, MotionKind, Obstacle, RATE_HZ, SLAP_COUNT, Script, slaps,
 };
 use palpable_lab::avatar::{AvatarPlan, PIECE_COUNT, Style, Target, Trunk, VERTICES_A_PIECE};
+use palpable_lab::hand::{ArticulatedHand, FingerAngles, FingerLink, Hand, HandPose};
 use palpable_lab::reference::Solid;
 use parry3d_f64::math::Vector;
 use parry3d_f64::query;
@@ -280,4 +281,106 @@ fn slaps_start_before_their_plate_and_end_behind_it() {
     }
     println!("{slowest:.1} to {fastest:.1} m/s, {through} never overlap in a frame");
     assert!(slowest < 6.0 && fastest > 19.0);
+}
+
+/// Largest distance of any part's vertex from where the rigid hand has it, in metres.
+fn vertex_error_m(
+    hand: &Hand,
+    articulated: &ArticulatedHand,
+    angles: &FingerAngles,
+    pose: HandPose,
+) -> f64 {
+    let rigid = hand.blend(pose, pose, 0.0);
+    let bent = articulated.part_poses(&Pose::IDENTITY, angles);
+    let mut largest = 0.0_f64;
+    for ((part, rigid), bent) in hand.parts.iter().zip(&rigid).zip(&bent) {
+        for &vertex in &part.vertices {
+            let there = rigid.position + rigid.orientation * DVec3::from(vertex.map(f64::from));
+            let here = bent.point(vertex.into()).as_dvec3();
+            largest = largest.max(here.distance(there));
+        }
+    }
+    largest
+}
+
+#[test]
+fn the_articulated_hand_rests_where_the_rigid_one_is() {
+    let hand = Hand::load().unwrap();
+    let articulated = ArticulatedHand::new(&hand);
+    assert_eq!(articulated.parts.len(), hand.parts.len());
+    let error_m = vertex_error_m(&hand, &articulated, &articulated.rest(), HandPose::Flat);
+    println!("rest: {:.3e} m", error_m);
+    assert!(error_m < 1e-6, "{error_m}");
+    let on_root = articulated
+        .parts
+        .iter()
+        .filter(|part| part.link == FingerLink::Root);
+    assert_eq!(on_root.count(), 3);
+    let hinges: Vec<usize> = articulated.rest().iter().map(Vec::len).collect();
+    assert_eq!(hinges, [5, 4, 4, 4, 4]);
+}
+
+#[test]
+fn recorded_poses_are_fitted_by_angles_within_limits() {
+    let hand = Hand::load().unwrap();
+    let articulated = ArticulatedHand::new(&hand);
+    for (pose, max_mm) in [
+        (HandPose::Flat, 0.001),
+        (HandPose::Relaxed, 12.0),
+        (HandPose::Pinch, 12.0),
+        (HandPose::Point, 12.0),
+    ] {
+        let fit = articulated.fit(&hand.joints(pose, pose, 0.0));
+        for (finger, angles) in fit.angles.iter().enumerate() {
+            let joints = articulated.joints(finger);
+            assert_eq!(palpable::human::kept(&joints, angles).clamped, 0);
+            let shown: Vec<String> = angles
+                .iter()
+                .map(|a| format!("{:.0}", a.to_degrees()))
+                .collect();
+            let residual = fit.residual_m[finger].map(|m| format!("{:.2}", 1e3 * m));
+            println!(
+                "{pose:?} finger {finger}: {} deg, residual {} mm",
+                shown.join(" "),
+                residual.join(" ")
+            );
+        }
+        let (median, max) = fit.median_and_max_m();
+        let vertices = vertex_error_m(&hand, &articulated, &fit.angles, pose);
+        println!(
+            "{pose:?}: median {:.2} mm, max {:.2} mm; vertices max {:.2} mm",
+            1e3 * median,
+            1e3 * max,
+            1e3 * vertices
+        );
+        assert!(1e3 * max < max_mm, "{pose:?}: {max}");
+    }
+}
+
+#[test]
+fn fits_find_the_angles_that_made_a_pose() {
+    let hand = Hand::load().unwrap();
+    let articulated = ArticulatedHand::new(&hand);
+    let mut joints = hand.joints(HandPose::Flat, HandPose::Flat, 0.0);
+    let made: FingerAngles = std::array::from_fn(|finger| {
+        let hinges = articulated.fingers[finger].hinges.iter();
+        hinges
+            .map(|hinge| hinge.low_rad + 0.6 * (hinge.high_rad - hinge.low_rad))
+            .collect()
+    });
+    let links = articulated.postures(&Pose::IDENTITY, &made);
+    for (finger, first) in [2, 7, 12, 17, 22].into_iter().enumerate() {
+        let def = &articulated.fingers[finger];
+        for bone in 1..3 {
+            let at = links[finger][def.bones[bone]].origin;
+            joints[first + bone].position = at.as_dvec3();
+        }
+        let tip = links[finger].last().unwrap().link.point(def.tip);
+        joints[first + 3].position = tip.as_dvec3();
+    }
+    let fit = articulated.fit(&joints);
+    assert!(fit.median_and_max_m().1 < 1e-6);
+    for (found, made) in fit.angles.iter().flatten().zip(made.iter().flatten()) {
+        assert!((found - made).abs() < 1e-3, "{found} {made}");
+    }
 }
