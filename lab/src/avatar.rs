@@ -7,6 +7,8 @@
 pub mod bvh;
 pub mod motions;
 mod shapes;
+mod slaps;
+mod track;
 
 use glam::Vec3;
 use palpable::geometry::chain::{Posture, posture};

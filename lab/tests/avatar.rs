@@ -2,8 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use glam::{DVec3, Vec3};
 use palpable::math::Pose;
-use palpable_lab::avatar::{AvatarPlan, PIECE_COUNT, Style, Trunk, VERTICES_A_PIECE};
+use palpable_lab::avatar::motions::{
+    JOINT_SPEED_MAX, MOTION_HEIGHT_M, MotionKind, Obstacle, RATE_HZ, SLAP_COUNT, Script, slaps,
+};
+use palpable_lab::avatar::{AvatarPlan, PIECE_COUNT, Style, Target, Trunk, VERTICES_A_PIECE};
+use palpable_lab::hand::{ArticulatedHand, FingerAngles, FingerLink, Hand, HandPose};
 use palpable_lab::reference::Solid;
 use parry3d_f64::math::Vector;
 use parry3d_f64::query;
@@ -133,5 +138,249 @@ fn the_pieces_fill_the_height_and_are_mirror_images() {
                 }
             }
         }
+    }
+}
+
+/// Deepest overlap with the obstacles and of the left arm with the right one, in metres.
+fn deepest_m(plan: &AvatarPlan, shapes: &[SharedShape], at: &Target, boxes: &[Obstacle]) -> f64 {
+    let poses = plan.piece_poses(at);
+    let mut deepest = 0.0_f64;
+    for (a, pose) in shapes.iter().zip(&poses) {
+        for obstacle in boxes {
+            let [x, y, z] = obstacle.half_m.map(f64::from);
+            let cuboid = SharedShape::cuboid(x, y, z);
+            deepest = deepest.max(-gap_m(a, pose, &cuboid, &obstacle.pose));
+        }
+    }
+    let arm = |side: &str| -> Vec<usize> {
+        let parts = ["upper arm", "forearm", "hand", "thumb"].map(|part| format!("{side} {part}"));
+        let pieces = plan.pieces.iter().enumerate();
+        pieces
+            .filter(|(_, piece)| parts.contains(&piece.name))
+            .map(|(index, _)| index)
+            .collect()
+    };
+    for a in arm("left") {
+        for b in arm("right") {
+            deepest = deepest.max(-gap_m(&shapes[a], &poses[a], &shapes[b], &poses[b]));
+        }
+    }
+    deepest
+}
+
+#[test]
+fn motions_start_free_and_go_deep() {
+    for style in [Style::Hulls, Style::Capsules] {
+        let plan = AvatarPlan::new(MOTION_HEIGHT_M, style, Trunk::Rigid);
+        let shapes = shapes(&plan);
+        for kind in MotionKind::ALL {
+            let script = Script::new(kind);
+            let depth = |frame| deepest_m(&plan, &shapes, &script.target(frame), &script.obstacles);
+            assert_eq!(depth(0), 0.0, "{kind:?} starts free");
+            let deep = (0..script.frames)
+                .step_by(5)
+                .map(|frame| (depth(frame), frame))
+                .fold(
+                    (0.0, 0),
+                    |best, next| if next.0 > best.0 { next } else { best },
+                );
+            println!(
+                "{style:?} {kind:?}: {:.1} mm in frame {}",
+                1e3 * deep.0,
+                deep.1
+            );
+            assert!(
+                (0.05..0.2).contains(&deep.0),
+                "{kind:?} {style:?}: {deep:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn motions_are_smooth_within_limits_and_as_long_as_they_say() {
+    let plan = AvatarPlan::new(MOTION_HEIGHT_M, Style::Capsules, Trunk::Rigid);
+    for kind in MotionKind::ALL {
+        let script = Script::new(kind);
+        let (mut fastest, mut root_fastest) = (0.0_f32, 0.0_f32);
+        for frame in 0..script.frames {
+            let target = script.target(frame);
+            let (_, clamped) = plan.kept(&target);
+            assert_eq!(clamped, 0, "{kind:?} frame {frame}");
+            let next = script.target(frame + 1);
+            for (a, b) in target.angles.iter().zip(&next.angles) {
+                for (a, b) in a.iter().zip(b) {
+                    fastest = fastest.max((b - a).abs() * RATE_HZ);
+                }
+            }
+            let moved = next.root.translation() - target.root.translation();
+            root_fastest = root_fastest.max(moved.length() * RATE_HZ);
+        }
+        println!("{kind:?}: {fastest:.2} rad/s, root {root_fastest:.2} m/s");
+        assert!(fastest <= JOINT_SPEED_MAX, "{kind:?}: {fastest}");
+        assert!(root_fastest < 1.5);
+        assert_eq!(
+            script.target(script.frames + 7),
+            script.target(script.frames - 1)
+        );
+    }
+    assert_eq!(Script::new(MotionKind::PushWall).frames, 2001);
+}
+
+#[test]
+fn the_wall_is_pushed_three_times() {
+    let plan = AvatarPlan::new(MOTION_HEIGHT_M, Style::Hulls, Trunk::Rigid);
+    let shapes = shapes(&plan);
+    let script = Script::new(MotionKind::PushWall);
+    let touching: Vec<bool> = (0..script.frames)
+        .step_by(20)
+        .map(|frame| deepest_m(&plan, &shapes, &script.target(frame), &script.obstacles) > 0.0)
+        .collect();
+    let pushes = touching.windows(2).filter(|pair| !pair[0] && pair[1]);
+    assert_eq!(pushes.count(), 3);
+}
+
+#[test]
+fn slaps_start_before_their_plate_and_end_behind_it() {
+    let plan = AvatarPlan::new(MOTION_HEIGHT_M, Style::Hulls, Trunk::Rigid);
+    let shapes = shapes(&plan);
+    let all = slaps(1);
+    assert_eq!(all.len(), SLAP_COUNT);
+    assert_eq!(all, slaps(1));
+    let hand = |name: &str| plan.pieces.iter().position(|p| p.name == name).unwrap();
+    let hand = hand("right hand");
+    let (mut slowest, mut fastest, mut through) = (f32::MAX, 0.0_f32, 0);
+    for slap in &all {
+        let boxes = [slap.plate];
+        assert_eq!(slap.plate.half_m[0], 0.01);
+        assert_eq!(deepest_m(&plan, &shapes, &slap.target(0), &boxes), 0.0);
+        assert_eq!(slap.target(0), slap.target(5));
+        let at = |frame| plan.piece_poses(&slap.target(frame))[hand].translation();
+        let end =
+            slap.plate.pose.quat().conjugate() * (at(slap.frames) - slap.plate.pose.translation());
+        assert!(end.x > 0.05, "{}", end.x);
+        let near = |time_s| {
+            let target = slap.target_at(slap.meeting_s() + time_s);
+            plan.piece_poses(&target)[hand].translation()
+        };
+        let (step_s, meets) = (5e-4, near(0.0) - slap.plate.pose.translation());
+        let velocity = (near(step_s) - near(-step_s)) / (2.0 * step_s);
+        let speed = slap.plate.pose.quat() * Vec3::X * slap.speed;
+        assert!(meets.length() < 1e-3, "{meets}");
+        assert!(
+            (velocity - speed).length() < 0.01 * slap.speed,
+            "{velocity} {speed}"
+        );
+        (slowest, fastest) = (slowest.min(slap.speed), fastest.max(slap.speed));
+        let seen = (0..slap.frames)
+            .any(|frame| deepest_m(&plan, &shapes, &slap.target(frame), &boxes) > 0.0);
+        through += u32::from(!seen);
+        for frame in 0..slap.frames {
+            assert_eq!(plan.kept(&slap.target(frame)).1, 0);
+        }
+    }
+    println!("{slowest:.1} to {fastest:.1} m/s, {through} never overlap in a frame");
+    assert!(slowest < 6.0 && fastest > 19.0);
+}
+
+/// Largest distance of any part's vertex from where the rigid hand has it, in metres.
+fn vertex_error_m(
+    hand: &Hand,
+    articulated: &ArticulatedHand,
+    angles: &FingerAngles,
+    pose: HandPose,
+) -> f64 {
+    let rigid = hand.blend(pose, pose, 0.0);
+    let bent = articulated.part_poses(&Pose::IDENTITY, angles);
+    let mut largest = 0.0_f64;
+    for ((part, rigid), bent) in hand.parts.iter().zip(&rigid).zip(&bent) {
+        for &vertex in &part.vertices {
+            let there = rigid.position + rigid.orientation * DVec3::from(vertex.map(f64::from));
+            let here = bent.point(vertex.into()).as_dvec3();
+            largest = largest.max(here.distance(there));
+        }
+    }
+    largest
+}
+
+#[test]
+fn the_articulated_hand_rests_where_the_rigid_one_is() {
+    let hand = Hand::load().unwrap();
+    let articulated = ArticulatedHand::new(&hand);
+    assert_eq!(articulated.parts.len(), hand.parts.len());
+    let error_m = vertex_error_m(&hand, &articulated, &articulated.rest(), HandPose::Flat);
+    println!("rest: {:.3e} m", error_m);
+    assert!(error_m < 1e-6, "{error_m}");
+    let on_root = articulated
+        .parts
+        .iter()
+        .filter(|part| part.link == FingerLink::Root);
+    assert_eq!(on_root.count(), 3);
+    let hinges: Vec<usize> = articulated.rest().iter().map(Vec::len).collect();
+    assert_eq!(hinges, [5, 4, 4, 4, 4]);
+}
+
+#[test]
+fn recorded_poses_are_fitted_by_angles_within_limits() {
+    let hand = Hand::load().unwrap();
+    let articulated = ArticulatedHand::new(&hand);
+    for (pose, max_mm) in [
+        (HandPose::Flat, 0.001),
+        (HandPose::Relaxed, 12.0),
+        (HandPose::Pinch, 12.0),
+        (HandPose::Point, 12.0),
+    ] {
+        let fit = articulated.fit(&hand.joints(pose, pose, 0.0));
+        for (finger, angles) in fit.angles.iter().enumerate() {
+            let joints = articulated.joints(finger);
+            assert_eq!(palpable::human::kept(&joints, angles).clamped, 0);
+            let shown: Vec<String> = angles
+                .iter()
+                .map(|a| format!("{:.0}", a.to_degrees()))
+                .collect();
+            let residual = fit.residual_m[finger].map(|m| format!("{:.2}", 1e3 * m));
+            println!(
+                "{pose:?} finger {finger}: {} deg, residual {} mm",
+                shown.join(" "),
+                residual.join(" ")
+            );
+        }
+        let (median, max) = fit.median_and_max_m();
+        let vertices = vertex_error_m(&hand, &articulated, &fit.angles, pose);
+        println!(
+            "{pose:?}: median {:.2} mm, max {:.2} mm; vertices max {:.2} mm",
+            1e3 * median,
+            1e3 * max,
+            1e3 * vertices
+        );
+        assert!(1e3 * max < max_mm, "{pose:?}: {max}");
+    }
+}
+
+#[test]
+fn fits_find_the_angles_that_made_a_pose() {
+    let hand = Hand::load().unwrap();
+    let articulated = ArticulatedHand::new(&hand);
+    let mut joints = hand.joints(HandPose::Flat, HandPose::Flat, 0.0);
+    let made: FingerAngles = std::array::from_fn(|finger| {
+        let hinges = articulated.fingers[finger].hinges.iter();
+        hinges
+            .map(|hinge| hinge.low_rad + 0.6 * (hinge.high_rad - hinge.low_rad))
+            .collect()
+    });
+    let links = articulated.postures(&Pose::IDENTITY, &made);
+    for (finger, first) in [2, 7, 12, 17, 22].into_iter().enumerate() {
+        let def = &articulated.fingers[finger];
+        for bone in 1..3 {
+            let at = links[finger][def.bones[bone]].origin;
+            joints[first + bone].position = at.as_dvec3();
+        }
+        let tip = links[finger].last().unwrap().link.point(def.tip);
+        joints[first + 3].position = tip.as_dvec3();
+    }
+    let fit = articulated.fit(&joints);
+    assert!(fit.median_and_max_m().1 < 1e-6);
+    for (found, made) in fit.angles.iter().flatten().zip(made.iter().flatten()) {
+        assert!((found - made).abs() < 1e-3, "{found} {made}");
     }
 }
