@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::{DVec3, Vec3};
+use palpable::geometry::chain::Posture;
 use palpable::human::Limb;
 use palpable::math::Pose;
 use palpable_lab::avatar::bvh::{self, Fault};
@@ -360,6 +361,29 @@ fn recorded_poses_are_fitted_by_angles_within_limits() {
 }
 
 #[test]
+fn a_fist_closes_all_four_fingers() {
+    let hand = Hand::load().unwrap();
+    let articulated = ArticulatedHand::new(&hand);
+    let fist = articulated.fist(&hand);
+    let links = articulated.postures(&Pose::IDENTITY, &fist);
+    let open = articulated.postures(&Pose::IDENTITY, &articulated.rest());
+    for finger in 1..5 {
+        let tip = |links: &[Posture; 5]| {
+            links[finger]
+                .last()
+                .unwrap()
+                .link
+                .point(articulated.fingers[finger].tip)
+        };
+        assert_eq!(
+            palpable::human::kept(&articulated.joints(finger), &fist[finger]).clamped,
+            0
+        );
+        assert!(tip(&links).z > tip(&open).z + 0.05, "finger {finger}");
+    }
+}
+
+#[test]
 fn fits_find_the_angles_that_made_a_pose() {
     let hand = Hand::load().unwrap();
     let articulated = ArticulatedHand::new(&hand);
@@ -493,6 +517,11 @@ Frame Time: 0.0333333
 /// The small file: arms sideways; arms hanging, the right elbow bent by a right angle forward; and the
 /// right hip and knee bent by a right angle.
 fn small_bvh() -> String {
+    bent_bvh(90.0, 90.0)
+}
+
+/// The same with other bends of the elbow and the knee, in degrees.
+fn bent_bvh(elbow: f64, knee: f64) -> String {
     let mut text = SMALL_BVH.to_owned();
     let channels = 6 + 14 * 3;
     let frame = |changes: &[(usize, f64)]| {
@@ -507,13 +536,13 @@ fn small_bvh() -> String {
     // Joints after the root: legs 0 to 5, neck and head 6 and 7, left arm 8 to 10, right arm 11 to 13.
     let z = |joint: usize| 6 + 3 * joint;
     text += &frame(&[]);
-    text += &frame(&[(z(8), -90.0), (z(11), 90.0), (z(12) + 2, 90.0)]);
+    text += &frame(&[(z(8), -90.0), (z(11), 90.0), (z(12) + 2, elbow)]);
     text += &frame(&[
         (0, 50.0),
         (z(8), -90.0),
         (z(11), 90.0),
         (z(3) + 1, -90.0),
-        (z(4) + 1, 90.0),
+        (z(4) + 1, knee),
     ]);
     text
 }
@@ -568,12 +597,16 @@ fn a_small_motion_is_put_on_the_avatar() {
 
 #[test]
 fn poses_beyond_the_limits_are_clamped_and_counted() {
-    let bent = small_bvh().replacen(" 90 0 0 0\n", " -90 0 0 0\n", 1);
-    assert_ne!(bent, small_bvh());
-    let motion = bvh::parse(&bent).unwrap();
+    let motion = bvh::parse(&bent_bvh(-90.0, -40.0)).unwrap();
     let plan = AvatarPlan::new(HEIGHT_M, Style::Capsules, Trunk::Rigid);
     let frames = motion.frames(&plan).unwrap();
     assert!(frames[1].clamped > 0, "{:?}", frames[1].target.angles[2]);
+    let leg = &frames[2].target.angles[plan.chain(Limb::RightLeg).unwrap()];
+    assert!(frames[2].clamped > 0 && leg[3] == 0.0, "{leg:?}");
+    assert!(
+        leg[2].abs() < 1e-4,
+        "a knee that bends forward turns no thigh: {leg:?}"
+    );
     assert!(frames.iter().all(|frame| plan.kept(&frame.target).1 == 0));
 }
 

@@ -1,6 +1,6 @@
 //! From places of joints to the avatar's root and angles.
 
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{Mat3, Quat, Vec3};
 use palpable::geometry::chain::posture;
@@ -194,9 +194,8 @@ fn pose(
         };
         let angles = &mut target.angles[index];
         if let Some((a, b, c, slot)) = bones {
-            let a_near = if slot < 2 { -0.5 * PI } else { 0.0 };
             let (upper, lower) = (inside(b - a), inside(c - b));
-            let bent = limb(&chain.joints, upper, lower, a_near, &mut twists[slot]);
+            let bent = limb(&chain.joints, upper, lower, slot >= 2, &mut twists[slot]);
             angles[..4].copy_from_slice(&bent);
         } else if chain.limb == Limb::Neck {
             let up = inside(places.neck[1] - places.neck[0]).normalize_or(Vec3::Z);
@@ -225,23 +224,46 @@ fn neutral_ball(plan: &AvatarPlan, limb: Limb) -> Quat {
 }
 
 /// Swing, twist and bend of a ball and the hinge behind it, from two bones in the ball's frame. An almost
-/// straight limb keeps the twist that it had.
-fn limb(joints: &[JointDef], upper: Vec3, lower: Vec3, a_near: f32, twist: &mut f32) -> [f32; 4] {
+/// straight limb keeps the twist that it had. A knee that bends forward is a bend below zero, not half a
+/// turn of the thigh.
+fn limb(joints: &[JointDef], upper: Vec3, lower: Vec3, is_leg: bool, twist: &mut f32) -> [f32; 4] {
     let JointDef::Hinge(hinge) = joints[1] else {
         return [0.0; 4];
     };
     let upper = upper.normalize_or(Vec3::Z);
-    let (a, b) = swing_near(upper, a_near);
+    let (a, b) = swing_near(upper, if is_leg { 0.0 } else { -FRAC_PI_2 });
     let unswung = (Quat::from_rotation_x(a) * Quat::from_rotation_y(b)).conjugate();
     let lower = unswung * lower.normalize_or(upper);
-    let bend = lower.truncate().length().atan2(lower.z);
+    let mut bend = lower.truncate().length().atan2(lower.z);
     if bend.sin() > BEND_SINE_MIN {
         let axis = hinge.rest.quat() * hinge.axis;
         let out = axis.cross(Vec3::Z);
-        let turned = lower.y.atan2(lower.x) - out.y.atan2(out.x);
-        *twist = turned - TAU * (turned / TAU).round();
+        let mut turned = within_half_turn(lower.y.atan2(lower.x) - out.y.atan2(out.x));
+        if is_leg && turned.abs() > FRAC_PI_2 {
+            turned = within_half_turn(turned + PI);
+            bend = -bend;
+        }
+        *twist = nearest_turn(turned, *twist);
     }
     [a, b, *twist, bend]
+}
+
+fn within_half_turn(angle: f32) -> f32 {
+    angle - TAU * (angle / TAU).round()
+}
+
+/// The angle, or it a turn further or back when that is nearer to another one and within three quarters of
+/// a turn: a twist that leaves its range on one side does not come in on the other.
+fn nearest_turn(angle: f32, near: f32) -> f32 {
+    let candidates = [angle - TAU, angle + TAU];
+    let within = candidates.into_iter().filter(|a| a.abs() <= 1.5 * PI);
+    within.fold(angle, |best, other| {
+        if (other - near).abs() < (best - near).abs() {
+            other
+        } else {
+            best
+        }
+    })
 }
 
 /// Dorsiflexion from where the toes are.
@@ -255,5 +277,5 @@ fn ankle(plan: &AvatarPlan, limb: Limb, foot: Vec3, target: &mut Target) {
     let foot = links[4].link.quat().conjugate() * foot;
     let across = |v: Vec3| (v.y).atan2(-v.z);
     let angle = across(foot) - across(chain.tip);
-    target.angles[index][4] = angle - TAU * (angle / TAU).round();
+    target.angles[index][4] = within_half_turn(angle);
 }
