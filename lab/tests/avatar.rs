@@ -3,7 +3,10 @@
 use std::collections::BTreeMap;
 
 use glam::{DVec3, Vec3};
+use palpable::geometry::chain::Posture;
+use palpable::human::Limb;
 use palpable::math::Pose;
+use palpable_lab::avatar::bvh::{self, Fault};
 use palpable_lab::avatar::motions::{
     JOINT_SPEED_MAX, MOTION_HEIGHT_M, MotionKind, Obstacle, RATE_HZ, SLAP_COUNT, Script, slaps,
 };
@@ -326,9 +329,9 @@ fn recorded_poses_are_fitted_by_angles_within_limits() {
     let articulated = ArticulatedHand::new(&hand);
     for (pose, max_mm) in [
         (HandPose::Flat, 0.001),
-        (HandPose::Relaxed, 12.0),
-        (HandPose::Pinch, 12.0),
-        (HandPose::Point, 12.0),
+        (HandPose::Relaxed, 0.6),
+        (HandPose::Pinch, 0.6),
+        (HandPose::Point, 3.1),
     ] {
         let fit = articulated.fit(&hand.joints(pose, pose, 0.0));
         for (finger, angles) in fit.angles.iter().enumerate() {
@@ -358,6 +361,29 @@ fn recorded_poses_are_fitted_by_angles_within_limits() {
 }
 
 #[test]
+fn a_fist_closes_all_four_fingers() {
+    let hand = Hand::load().unwrap();
+    let articulated = ArticulatedHand::new(&hand);
+    let fist = articulated.fist(&hand);
+    let links = articulated.postures(&Pose::IDENTITY, &fist);
+    let open = articulated.postures(&Pose::IDENTITY, &articulated.rest());
+    for finger in 1..5 {
+        let tip = |links: &[Posture; 5]| {
+            links[finger]
+                .last()
+                .unwrap()
+                .link
+                .point(articulated.fingers[finger].tip)
+        };
+        assert_eq!(
+            palpable::human::kept(&articulated.joints(finger), &fist[finger]).clamped,
+            0
+        );
+        assert!(tip(&links).z > tip(&open).z + 0.05, "finger {finger}");
+    }
+}
+
+#[test]
 fn fits_find_the_angles_that_made_a_pose() {
     let hand = Hand::load().unwrap();
     let articulated = ArticulatedHand::new(&hand);
@@ -382,5 +408,247 @@ fn fits_find_the_angles_that_made_a_pose() {
     assert!(fit.median_and_max_m().1 < 1e-6);
     for (found, made) in fit.angles.iter().flatten().zip(made.iter().flatten()) {
         assert!((found - made).abs() < 1e-3, "{found} {made}");
+    }
+}
+
+/// A small skeleton in centimetres that faces +Z, with a bone straight along each branch. One frame stands
+/// with the arms sideways; the others are made by rotations.
+const SMALL_BVH: &str = "HIERARCHY
+ROOT Hips
+{
+  OFFSET 0 0 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT LeftUpLeg
+  {
+    OFFSET 9 0 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    JOINT LeftLeg
+    {
+      OFFSET 0 -42 0
+      CHANNELS 3 Zrotation Xrotation Yrotation
+      JOINT LeftFoot
+      {
+        OFFSET 0 -42 0
+        CHANNELS 3 Zrotation Xrotation Yrotation
+        End Site
+        {
+          OFFSET 0 -6 17.538462
+        }
+      }
+    }
+  }
+  JOINT RightUpLeg
+  {
+    OFFSET -9 0 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    JOINT RightLeg
+    {
+      OFFSET 0 -42 0
+      CHANNELS 3 Zrotation Xrotation Yrotation
+      JOINT RightFoot
+      {
+        OFFSET 0 -42 0
+        CHANNELS 3 Zrotation Xrotation Yrotation
+        End Site
+        {
+          OFFSET 0 -6 17.538462
+        }
+      }
+    }
+  }
+  JOINT Neck
+  {
+    OFFSET 0 50 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    JOINT Head
+    {
+      OFFSET 0 10 0
+      CHANNELS 3 Zrotation Xrotation Yrotation
+      End Site
+      {
+        OFFSET 0 20 0
+      }
+    }
+  }
+  JOINT LeftArm
+  {
+    OFFSET 20 50 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    JOINT LeftForeArm
+    {
+      OFFSET 30 0 0
+      CHANNELS 3 Zrotation Xrotation Yrotation
+      JOINT LeftHand
+      {
+        OFFSET 25 0 0
+        CHANNELS 3 Zrotation Xrotation Yrotation
+        End Site
+        {
+          OFFSET 8 0 0
+        }
+      }
+    }
+  }
+  JOINT RightArm
+  {
+    OFFSET -20 50 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    JOINT RightForeArm
+    {
+      OFFSET -30 0 0
+      CHANNELS 3 Zrotation Xrotation Yrotation
+      JOINT RightHand
+      {
+        OFFSET -25 0 0
+        CHANNELS 3 Zrotation Xrotation Yrotation
+        End Site
+        {
+          OFFSET -8 0 0
+        }
+      }
+    }
+  }
+}
+MOTION
+Frames: 3
+Frame Time: 0.0333333
+";
+
+/// The small file: arms sideways; arms hanging, the right elbow bent by a right angle forward; and the
+/// right hip and knee bent by a right angle.
+fn small_bvh() -> String {
+    bent_bvh(90.0, 90.0)
+}
+
+/// The same with other bends of the elbow and the knee, in degrees.
+fn bent_bvh(elbow: f64, knee: f64) -> String {
+    let mut text = SMALL_BVH.to_owned();
+    let channels = 6 + 14 * 3;
+    let frame = |changes: &[(usize, f64)]| {
+        let mut values = vec![0.0; channels];
+        values[1] = 100.0;
+        for &(channel, value) in changes {
+            values[channel] = value;
+        }
+        let words: Vec<String> = values.iter().map(f64::to_string).collect();
+        words.join(" ") + "\n"
+    };
+    // Joints after the root: legs 0 to 5, neck and head 6 and 7, left arm 8 to 10, right arm 11 to 13.
+    let z = |joint: usize| 6 + 3 * joint;
+    text += &frame(&[]);
+    text += &frame(&[(z(8), -90.0), (z(11), 90.0), (z(12) + 2, elbow)]);
+    text += &frame(&[
+        (0, 50.0),
+        (z(8), -90.0),
+        (z(11), 90.0),
+        (z(3) + 1, -90.0),
+        (z(4) + 1, knee),
+    ]);
+    text
+}
+
+#[test]
+fn a_small_motion_is_put_on_the_avatar() {
+    let motion = bvh::parse(&small_bvh()).unwrap();
+    assert_eq!((motion.frame_count(), motion.names().count()), (3, 15));
+    for trunk in [Trunk::Rigid, Trunk::Bending] {
+        let plan = AvatarPlan::new(HEIGHT_M, Style::Capsules, trunk);
+        let frames = motion.frames(&plan).unwrap();
+        let chain = |limb| plan.chain(limb).unwrap();
+        for frame in &frames {
+            assert_eq!(frame.clamped, 0, "{trunk:?}");
+            assert_eq!(plan.kept(&frame.target).1, 0);
+        }
+        let root = frames[0].target.root;
+        assert!(
+            (root.translation() - Vec3::Y * 0.53 * HEIGHT_M).length() < 1e-5,
+            "{root:?}"
+        );
+        assert!(
+            (root.quat() * Vec3::NEG_Z - Vec3::Z).length() < 1e-5,
+            "the figure faces +Z"
+        );
+        let shoulder = Vec3::new(-0.1295, 0.288, 0.0) * HEIGHT_M;
+        let hand = root.point(shoulder + Vec3::NEG_X * 0.44 * HEIGHT_M);
+        let tip = plan.tip(Limb::LeftArm, &frames[0].target).unwrap();
+        assert!((tip - hand).length() < 1e-4, "{tip} {hand}");
+
+        let right = &frames[1].target.angles[chain(Limb::RightArm)];
+        assert!(
+            right[..3].iter().all(|angle| angle.abs() < 1e-4),
+            "{right:?}"
+        );
+        assert!(
+            (right[3] - std::f32::consts::FRAC_PI_2).abs() < 1e-4,
+            "{right:?}"
+        );
+        let leg = &frames[2].target.angles[chain(Limb::RightLeg)];
+        let quarter = std::f32::consts::FRAC_PI_2;
+        for (angle, wanted) in leg.iter().zip([quarter, 0.0, 0.0, quarter, 0.0, 0.0]) {
+            assert!((angle - wanted).abs() < 1e-3, "{leg:?}");
+        }
+        let moved = frames[2].target.root.translation() - root.translation();
+        assert!(
+            (moved - Vec3::X * 0.5 * 0.491 / 0.84 * HEIGHT_M).length() < 1e-4,
+            "{moved}"
+        );
+    }
+}
+
+#[test]
+fn poses_beyond_the_limits_are_clamped_and_counted() {
+    let motion = bvh::parse(&bent_bvh(-90.0, -40.0)).unwrap();
+    let plan = AvatarPlan::new(HEIGHT_M, Style::Capsules, Trunk::Rigid);
+    let frames = motion.frames(&plan).unwrap();
+    assert!(frames[1].clamped > 0, "{:?}", frames[1].target.angles[2]);
+    let leg = &frames[2].target.angles[plan.chain(Limb::RightLeg).unwrap()];
+    assert!(frames[2].clamped > 0 && leg[3] == 0.0, "{leg:?}");
+    assert!(
+        leg[2].abs() < 1e-4,
+        "a knee that bends forward turns no thigh: {leg:?}"
+    );
+    assert!(frames.iter().all(|frame| plan.kept(&frame.target).1 == 0));
+}
+
+#[test]
+fn broken_files_are_refused_with_their_line() {
+    let whole = small_bvh();
+    let fault = |text: &str| bvh::parse(text).unwrap_err();
+    assert_eq!(
+        fault(""),
+        bvh::BvhError {
+            line: 1,
+            fault: Fault::Ends
+        }
+    );
+    let bad = fault(&whole.replacen("OFFSET 9 0 0", "OFFSET 9 nan 0", 1));
+    assert_eq!((bad.line, &bad.fault), (8, &Fault::Number("nan".into())));
+    assert_eq!(bad.to_string(), "line 8: \"nan\" is no finite number");
+    let bad = fault(&whole.replacen("6 Xposition", "6 Xplace", 1));
+    assert_eq!((bad.line, bad.fault), (5, Fault::Channel("Xplace".into())));
+    let bad = fault(&whole.replacen("CHANNELS 6", "CHANNELS 7", 1));
+    assert_eq!((bad.line, bad.fault), (5, Fault::TooMany("channels")));
+    let bad = fault(&whole.replacen("Xposition", "Yposition", 1));
+    assert!(matches!(bad.fault, Fault::Channel(_)) && bad.line == 5);
+    let bad = fault(&whole.replacen("JOINT", "JOIN", 1));
+    assert!(matches!(bad.fault, Fault::Expected(..)) && bad.line == 6);
+    let bad = fault(&whole.replacen("Frames: 3", "Frames: 4", 1));
+    assert_eq!((bad.line, bad.fault), (0, Fault::FrameCount(3, 4)));
+    let bad = fault(&whole.replacen("0.0333333", "-1", 1));
+    assert!(matches!(bad.fault, Fault::Expected(..)));
+    let lines = whole.lines().count();
+    let bad = fault(&format!("{} 7\n", whole.trim_end()));
+    assert_eq!((bad.line, bad.fault), (lines, Fault::FrameLength(49, 48)));
+    let bad = fault(&whole[..whole.find("MOTION").unwrap()]);
+    assert_eq!(bad.fault, Fault::Ends);
+    assert!(bvh::read(std::path::Path::new("no/such/file.bvh")).is_err());
+    let plan = AvatarPlan::new(HEIGHT_M, Style::Capsules, Trunk::Rigid);
+    let missing = bvh::parse(&whole.replace("LeftForeArm", "Something")).unwrap();
+    let why = missing.frames(&plan).unwrap_err();
+    assert_eq!(why.fault, Fault::Missing("a forearm"));
+    for end in 0..whole.len() {
+        if let Ok(motion) = bvh::parse(&whole[..end]) {
+            let _ = motion.frames(&plan);
+        }
     }
 }

@@ -16,7 +16,7 @@
 /// The range of one motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLimits {
-    /// The motion; its second word is the positive direction.
+    /// The motion, named after its positive direction.
     pub motion: &'static str,
     /// Least angle in degrees.
     pub low_deg: f32,

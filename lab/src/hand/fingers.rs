@@ -178,6 +178,21 @@ impl ArticulatedHand {
         fit
     }
 
+    /// A fist: the pointing pose, with the index finger bent as the middle finger is. No fist was recorded.
+    #[must_use]
+    pub fn fist(&self, hand: &Hand) -> FingerAngles {
+        let pointing = hand.joints(HandPose::Point, HandPose::Point, 0.0);
+        let mut angles = self.fit(&pointing).angles;
+        let bent = angles[2].clone();
+        for (angle, (bent, hinge)) in angles[1]
+            .iter_mut()
+            .zip(bent.iter().zip(&self.fingers[1].hinges))
+        {
+            *angle = hinge.kept(*bent);
+        }
+        angles
+    }
+
     fn link_of(&self, joint: usize) -> FingerLink {
         for finger in 0..5 {
             let bone = finger_joints(finger)[..3].iter().position(|&j| j == joint);
