@@ -13,8 +13,7 @@ use palpable::state::materials::Material;
 use palpable::world::{BodyDef, ChainDef, PieceDef, Shape, World};
 
 use crate::avatar::{AvatarPlan, Link};
-use crate::hand::Hand;
-use crate::hand::fingers::{ArticulatedHand, FingerLink};
+use crate::hand::{ArticulatedHand, FingerLink, Hand};
 use crate::hand_scene::SceneError;
 
 /// A link of a figure: chain and hinge, or the root.

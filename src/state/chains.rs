@@ -49,11 +49,11 @@ impl ChainOptions {
     /// Contact moves the root alone: the joints follow the tracked angles, as a rigid group does.
     pub const RIGID: u32 = 1 << 3;
 
-    /// Least deviation, moves the root, returns within 20 ms.
+    /// Least deviation, moves the root, returns with a time constant of 60 ms.
     pub const DEFAULT: Self = Self {
         method: Self::LEAST_DEVIATION,
         flags: Self::MOVES_ROOT,
-        attraction_s: 0.02,
+        attraction_s: 0.06,
         tip: [0.0; 3],
     };
 
