@@ -258,11 +258,9 @@ impl Walk {
 
     /// Whether the pairs at hand are all that this leg can meet.
     fn covers(&self, state: &State, goal: &Position) -> bool {
-        if has_chains(state, self.body) {
-            pairs::cover(state, self.body, &track(&self.at, goal))
-        } else {
-            self.covered.holds(&self.at, goal)
-        }
+        self.covered.holds(&self.at, goal)
+            && (!has_chains(state, self.body)
+                || pairs::cover(state, self.body, &track(&self.at, goal)))
     }
 
     /// Measures what touches where the body is; false when the units ran out.

@@ -73,6 +73,11 @@ pub(crate) fn collect_driven(
     };
     while current != 0 {
         let piece = current as usize - 1;
+        current = state.pieces.next[piece];
+        if near.is_empty() {
+            state.pairs.swept[piece] = Bounds::ALL;
+            continue;
+        }
         let motion = piece_motion(state, piece, track);
         let bounds = swept_bounds(state, piece, &motion).grown(PAIR_MARGIN_M);
         if keeps {
@@ -83,7 +88,6 @@ pub(crate) fn collect_driven(
                 push(state, &mut count, piece, other)?;
             }
         }
-        current = state.pieces.next[piece];
     }
     if keeps {
         own::collect(state, body, track, &mut count)?;
@@ -130,11 +134,15 @@ fn is_fixed_near(state: &State, piece: usize, bounds: &Bounds) -> bool {
         && state.pieces.bounds[piece].overlaps(bounds)
 }
 
-/// Whether the pairs of a body with chains, collected for another way, hold for this one too.
+/// Whether the pairs of a body with chains, collected for another way, hold for this one too, provided
+/// that the root goes no farther. Where nothing at all was near, no piece can have come near anything.
 pub(crate) fn cover(state: &State, body: usize, track: &BodyTrack) -> bool {
     PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]).all(|piece| {
-        let motion = piece_motion(state, piece, track);
-        state.pairs.swept[piece].contains(&swept_bounds(state, piece, &motion))
+        let known = state.pairs.swept[piece];
+        known == Bounds::ALL || {
+            let motion = piece_motion(state, piece, track);
+            known.contains(&swept_bounds(state, piece, &motion))
+        }
     }) && own::cover(state, body, track)
 }
 

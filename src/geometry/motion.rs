@@ -76,6 +76,13 @@ impl Track {
     /// With q the normalised interpolation and half-angle f between the ends, the angular speed is
     /// 2 sin f / |q|^2 <= 4 tan(f/2) = W, and its rate is at most W^3 / 4 (largest at an end).
     fn bounds(&self) -> TrackBounds {
+        if self.from == self.to {
+            return TrackBounds {
+                linear: Vec3::ZERO,
+                angular: 0.0,
+                curvature: 0.0,
+            };
+        }
         let span = self.end - self.start;
         let (a, b) = (self.from.quat(), self.to.quat());
         let chord = (math::nearer_sign(b, a) - a).length_squared();

@@ -98,10 +98,12 @@ pub(super) fn solve(
         let problem = Problem::new(state, limb, &place, &touches, &wanted);
         problem.solve(state, &from, steps, missed)
     };
-    for (index, &angle) in angles.iter().enumerate() {
-        state.ways.to[slot + joints.start + index] = angle;
+    let proposed = &mut state.ways.to[slot..][joints];
+    let is_placed = *proposed == angles[..] && state.chains.base[limb.chain] == 0;
+    if !is_placed {
+        proposed.copy_from_slice(&angles);
+        place_chain(state, limb.chain, limb.at.leg, End::To);
     }
-    place_chain(state, limb.chain, limb.at.leg, End::To);
     solved
 }
 

@@ -63,6 +63,12 @@ impl Bounds {
         high: Vec3::splat(f32::NEG_INFINITY),
     };
 
+    /// Holds everything.
+    pub(crate) const ALL: Self = Self {
+        low: Vec3::splat(f32::NEG_INFINITY),
+        high: Vec3::splat(f32::INFINITY),
+    };
+
     /// The bounds of a shape at a pose: its box turned, boxed again, and rounded.
     pub(crate) fn of(shape: &Shape, pose: &Pose) -> Self {
         let m = pose.matrix();
