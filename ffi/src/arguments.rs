@@ -249,6 +249,7 @@ pub(crate) unsafe fn each_versioned<T: Versioned>(
     if count == 0 {
         return Ok(());
     }
+    judge_outside(block, pointer.addr(), size_of::<u32>())?;
     // SAFETY: the same contract.
     let stated = unsafe { stated_bytes(pointer) }?;
     let stride = if stride == 0 { stated } else { stride as usize };

@@ -162,6 +162,10 @@ pub(crate) fn cone(visible: palp_vec3, corners: &[palp_vec3]) -> Result<ReachCon
     for (direction, corner) in directions.iter_mut().zip(corners) {
         *direction = corner.to_array().into();
     }
+    let is_finite = |v: &palp_vec3| v.to_array().iter().all(|part| part.is_finite());
+    if !(is_finite(&visible) && corners.iter().all(is_finite)) {
+        return Err(PALP_CONE_NO_DIRECTION);
+    }
     ReachCone::new(visible.to_array().into(), directions).map_err(cone_status)
 }
 

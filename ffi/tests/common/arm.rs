@@ -15,7 +15,7 @@ use super::scene::with_world;
 
 const FRAMES: u32 = 600;
 const HINGES: usize = 7;
-const HALF_TURN: f32 = 3.1415927;
+const HALF_TURN: f32 = core::f32::consts::PI;
 
 const AWAY: [f32; HINGES] = [0.85, 0.1, 0.1, 1.2, 0.2, 0.25, 0.1];
 
