@@ -19,6 +19,12 @@
  * written, during the call only. Results are written when the status is not negative. Arrays that the
  * host gives must not lie in the world's block.
  *
+ * Skeletons. A chain is a path of joints on a driven body, or on a link of another chain of that body: an
+ * arm, a leg, a finger. A joint is a hinge, or a ball of three hinges with a reach cone. Angles count by
+ * hinge, three to a ball, in radians; a link is what moves behind a hinge, and its frame is the hinge's.
+ * Pieces lie on links as they lie on bodies. Each frame the host sets the body's target, then the chains',
+ * a chain behind the one that it hangs on; steps; and draws `palp_chain_link_poses`.
+ *
  * Versions. Structs that may grow start with `struct_size`, which the host sets, most easily with the
  * struct's `_INIT` macro; only fields that the host's version has are read or written. Ids are
  * { index1, generation }; zero is null, and an id outlives its thing without harm.
@@ -1509,7 +1515,8 @@ palp_status palp_cone_check(const struct palp_vec3 *visible,
 /**
  * Tells where a hand tracker sees the 26 joints of a hand that is a driven body: the wrist becomes the
  * body's target, and each piece's target in the body's frame is its joint seen from the wrist, then
- * its offset. Instead of `palp_body_set_target` and `palp_body_set_piece_targets`; call it every frame
+ * its offset. For hands without chains: a piece on a link would take that for its pose in the link's
+ * frame. Instead of `palp_body_set_target` and `palp_body_set_piece_targets`; call it every frame
  * in which `XrHandJointLocationsEXT.isActive` is true.
  *
  * `locations` is an `XrHandJointLocationEXT[26]` as `xrLocateHandJointsEXT` filled it, of any

@@ -294,7 +294,7 @@ static void check_limits(const float angles[HINGES], int frame) {
     }
 }
 
-/* The links are where the angles put them, and in front of the wall. */
+/* The links are where the angles put them, and in front of the wall: from the angles alone. */
 static void check_links(const float angles[HINGES], int frame) {
     const palp_pose *poses;
     frame3 placed[HINGES];
