@@ -70,8 +70,8 @@
     { (uint32_t)sizeof(palp_joint), PALP_JOINT_HINGE, PALP_POSE_IDENTITY, { 1.0f, 0.0f, 0.0f }, \
       -3.1415927f, 3.1415927f, { 0.0f, 0.0f, 1.0f }, 0, { { 0.0f, 0.0f, 0.0f } } }
 
-/** Least deviation, moves the root, returns within 20 ms. */
-#define PALP_CHAIN_OPTIONS_DEFAULT { 0, 1, 0.02f, { 0.0f, 0.0f, 0.0f } }
+/** Least deviation; what the chain cannot evade, the root does. */
+#define PALP_CHAIN_OPTIONS_DEFAULT { 0, 1, 0.06f, { 0.0f, 0.0f, 0.0f } }
 
 /** A chain on the body's root, its joints not yet set. */
 #define PALP_CHAIN_DEF_INIT \

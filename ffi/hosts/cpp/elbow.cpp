@@ -61,6 +61,7 @@ palp_chain_id add_arm(palp_world *world, palp_body_id body) {
     palp_chain_def def = PALP_CHAIN_DEF_INIT;
     def.joints = joints.data();
     def.joint_count = joints.size();
+    def.options.attraction_s = 0.03f;
     palp_chain_id chain;
     check(palp_chain_add(world, body, &def, &chain));
     palp_piece_def capsule = PALP_PIECE_DEF_INIT;

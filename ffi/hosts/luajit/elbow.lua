@@ -66,7 +66,7 @@ local function add_arm(world, body)
     joints[1].rest_pose.position.z = -0.35
     local def, chain = sized("palp_chain_def"), ffi.new("palp_chain_id")
     def.joints, def.joint_count = joints, 2
-    def.options.flags, def.options.attraction_s = P.OPTION_MOVES_ROOT, 0.02
+    def.options.flags, def.options.attraction_s = P.OPTION_MOVES_ROOT, 0.03
     ok(C.palp_chain_add(world, body, def, chain))
     local capsule, piece = piece_def(P.SHAPE_SEGMENT), ffi.new("palp_piece_id")
     capsule.b.z, capsule.radius_m = -0.35, 0.04

@@ -72,8 +72,8 @@ fn add_chain(
     body: BodyId,
     joints: &[JointDef],
     base: Option<(ChainId, u32)>,
+    options: ChainOptions,
 ) -> ChainId {
-    let options = ChainOptions::DEFAULT;
     let def = ChainDef {
         joints,
         base,
@@ -90,7 +90,7 @@ fn add_arm(world: &mut World, body: BodyId) -> ChainId {
         hinge([0.0, 0.0, 0.26], [1.0, 0.0, 0.0], -1.2, 1.2),
         hinge([0.0; 3], [0.0, 1.0, 0.0], -0.6, 0.6),
     ];
-    let arm = add_chain(world, body, &joints, None);
+    let arm = add_chain(world, body, &joints, None, ChainOptions::DEFAULT);
     for (link, length) in [(2, 0.30), (4, 0.26), (6, 0.10)] {
         let mut capsule = PieceDef::new(Shape::Segment([0.0; 3], [0.0, 0.0, length]), 0.04);
         capsule.material = Material::HUMAN;
@@ -101,7 +101,7 @@ fn add_arm(world: &mut World, body: BodyId) -> ChainId {
 
 fn add_neck(world: &mut World, body: BodyId) -> ChainId {
     let joint = hinge([-0.2, 0.2, 0.0], [1.0, 0.0, 0.0], -HALF_TURN, HALF_TURN);
-    let neck = add_chain(world, body, &[joint], None);
+    let neck = add_chain(world, body, &[joint], None, ChainOptions::DEFAULT);
     let mut head = PieceDef::new(Shape::Point, 0.1);
     head.local = Pose::at(0.0, 0.15, 0.0);
     let head = world.add_link_piece(neck, 0, &head).unwrap();
@@ -142,7 +142,8 @@ pub fn arm() -> u64 {
         let body = add_wall_and_body(world);
         let arm = add_arm(world, body);
         let joint = hinge([0.0, 0.0, 0.1], [1.0, 0.0, 0.0], -HALF_TURN, HALF_TURN);
-        let finger = add_chain(world, body, &[joint], Some((arm, HINGES as u32 - 1)));
+        let on_hand = Some((arm, HINGES as u32 - 1));
+        let finger = add_chain(world, body, &[joint], on_hand, ChainOptions::DEFAULT);
         let neck = add_neck(world, body);
         world.place_angles(arm, &KEYS[0].1).unwrap();
         for frame in 0..FRAMES {
@@ -178,7 +179,11 @@ pub fn elbow() -> u64 {
             hinge([0.0; 3], [1.0, 0.0, 0.0], -2.0, 2.0),
             hinge([0.0, 0.0, -0.35], [1.0, 0.0, 0.0], -2.0, 2.0),
         ];
-        let arm = add_chain(world, body, &joints, None);
+        let options = ChainOptions {
+            attraction_s: 0.03,
+            ..ChainOptions::DEFAULT
+        };
+        let arm = add_chain(world, body, &joints, None, options);
         let capsule = PieceDef::new(Shape::Segment([0.0; 3], [0.0, 0.0, -0.35]), 0.04);
         for link in 0..2 {
             world.add_link_piece(arm, link, &capsule).unwrap();
