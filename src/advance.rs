@@ -9,7 +9,7 @@ use crate::math;
 use crate::state::State;
 use crate::state::contacts::Pair;
 use crate::state::purse::Purse;
-use crate::state::ways::{BodyTrack, is_own, pair_motions};
+use crate::state::ways::{BodyTrack, is_own, pair_motions, piece_motion};
 
 /// How far a leg was found clear.
 #[derive(Clone, Copy, Debug)]
@@ -75,8 +75,12 @@ fn start(state: &mut State, pairs: usize, leg: &BodyTrack) {
 
 /// How much nearer the pieces of a pair can come on the whole leg, in metres.
 fn way_of(state: &State, pair: &Pair, leg: &BodyTrack) -> f32 {
-    let (a, b) = pair_motions(state, pair, leg);
-    a.way_m() + b.way_m()
+    if is_own(state, pair) {
+        let (a, b) = pair_motions(state, pair, leg);
+        a.way_m() + b.way_m()
+    } else {
+        piece_motion(state, pair.a as usize, leg).way_m()
+    }
 }
 
 /// Certifies a pair beyond `time`; true when it cannot be, so that it blocks the way.

@@ -18,9 +18,7 @@ use crate::state::State;
 use crate::state::contacts::{self, ContactPoint, Pair};
 use crate::state::pieces::Bounds;
 use crate::state::purse::Purse;
-use crate::state::ways::{
-    Position, is_own, obstacle_bounds, obstacle_pose, pair_motions, piece_motion,
-};
+use crate::state::ways::{Position, is_own, obstacle_bounds, obstacle_pose, piece_pose};
 
 /// Where a driven body that overlaps fixed pieces or other driven bodies gets clear of them, moved as a
 /// whole; `None` when no way out was found and verified.
@@ -41,7 +39,7 @@ pub(crate) fn way_out(
 
 /// The moving piece's pose where the body is.
 fn pose_of(state: &State, pair: &Pair, at: &Position) -> Pose {
-    piece_motion(state, pair.a as usize, &at.still()).at(0.0)
+    piece_pose(state, pair.a as usize, at)
 }
 
 /// The least gap of the pairs whose boxes overlap; infinite when there are none, `None` when the units
@@ -103,7 +101,6 @@ pub(crate) fn measure_touching(
     at: &Position,
     purse: &mut Purse,
 ) -> bool {
-    let still = at.still();
     for index in 0..pairs {
         let pair = state.pairs.list[index];
         if pair.measured == 1 || !touches(pair.gap) {
@@ -111,8 +108,14 @@ pub(crate) fn measure_touching(
         }
         let (a, b) = (pair.a as usize, pair.b as usize);
         let own = is_own(state, &pair);
-        let (motion_a, motion_b) = pair_motions(state, &pair, &still);
-        let (pose, other) = (motion_a.at(0.0), motion_b.at(0.0));
+        let (pose, other) = if own {
+            (
+                piece_pose(state, a, &at.in_root()),
+                piece_pose(state, b, &at.in_root()),
+            )
+        } else {
+            (piece_pose(state, a, at), obstacle_pose(state, b))
+        };
         let bounds = Bounds::of(&state.pieces.shape[a], &pose);
         let apart = bounds.gap(&if own {
             Bounds::of(&state.pieces.shape[b], &other)

@@ -189,7 +189,11 @@ fn couple_tip(state: &mut State, body: usize, chain: usize, left: f32) {
     let last = joints_of(state, chain).end - 1;
     let link = linkage(state).link(last, |joint| state.joints.target[joint]);
     let tip = Vec3::from_array(state.chains.options[chain].tip);
-    let tracked = state.legs.wanted[body].point(link.point(tip));
+    let tracked = if state.chains.is_tip_seen[chain] == 1 {
+        state.chains.tip_seen[chain]
+    } else {
+        state.legs.wanted[body].point(link.point(tip))
+    };
     let step = tracked - state.chains.tip_tracked[chain];
     let offset = shortened(state.chains.tip_offset[chain], step) * left;
     state.chains.tip_tracked[chain] = tracked;

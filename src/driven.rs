@@ -19,7 +19,7 @@ use crate::state::chains::{
 use crate::state::contacts::PairsFull;
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::purse::Purse;
-use crate::state::ways::{BodyTrack, Leg, Position, driven_at, piece_motion, track};
+use crate::state::ways::{BodyTrack, Leg, Position, driven_at, piece_motion, piece_pose, track};
 use crate::{advance, contacts, pairs};
 
 /// Moves every driven body as far as its way is clear. Spends at most the budget's units, one for each
@@ -79,11 +79,11 @@ fn step_ahead(state: &mut State, body: usize) {
     if state.legs.count[body] == 0 {
         return;
     }
-    let reached = driven_at(state.legs.of(body), &state.bodies.pose[body], 1.0).still();
+    let reached = driven_at(state.legs.of(body), &state.bodies.pose[body], 1.0);
     let mut next = state.bodies.first_piece[body];
     while let Some(piece) = next.checked_sub(1) {
         let piece = piece as usize;
-        let pose = piece_motion(state, piece, &reached).at(0.0);
+        let pose = piece_pose(state, piece, &reached);
         state.legs.ahead[piece] = pose;
         state.legs.ahead_bounds[piece] = Bounds::of(&state.pieces.shape[piece], &pose);
         next = state.pieces.next[piece];
@@ -178,7 +178,9 @@ fn walk(
     wanted: Position,
     purses: &mut Purses,
 ) -> Result<u32, PairsFull> {
-    reach::propose(state, body, 0);
+    if has_chains(state, body) {
+        reach::propose(state, body, 0);
+    }
     let pairs = pairs::collect_driven(state, body, &track(&start, &wanted))?;
     if pairs == 0 {
         push_leg(state, body, &start, &wanted, 1.0, 1.0);

@@ -62,6 +62,7 @@
 #![forbid(unsafe_code)]
 
 pub mod geometry;
+pub mod human;
 pub mod limits;
 pub mod math;
 pub mod memory;

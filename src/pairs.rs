@@ -20,14 +20,18 @@ use crate::state::ways::{BodyTrack, piece_motion, swept_bounds};
 /// A box around everything a driven body can touch on a way, from its reach about its root alone.
 fn whole_bounds(state: &State, body: usize, track: &BodyTrack) -> Bounds {
     let pieces = &state.pieces;
+    let skeleton = has_chains(state, body);
     let mut reach = 0.0;
     for piece in PiecesOf::new(pieces.next, state.bodies.first_piece[body]) {
         let arm = math::max(
             pieces.local[piece].translation().length_squared(),
             pieces.local_target[piece].translation().length_squared(),
         );
-        let own = math::sqrt(arm) + pieces.shape[piece].reach;
-        reach = math::max(reach, own + arm_of_link(state, pieces.link[piece]));
+        let mut own = math::sqrt(arm) + pieces.shape[piece].reach;
+        if skeleton {
+            own += arm_of_link(state, pieces.link[piece]);
+        }
+        reach = math::max(reach, own);
     }
     let (from, to) = (track.root.from.translation(), track.root.to.translation());
     Bounds {
@@ -105,12 +109,25 @@ fn is_obstacle_near(state: &State, piece: usize, body: usize, bounds: &Bounds) -
 
 /// The range of slots that holds all obstacles of a driven body near a box.
 fn obstacles_near(state: &State, body: usize, bounds: &Bounds) -> Range<usize> {
+    if state.registers.driven > 1 {
+        slots_of(state, |&piece| is_obstacle_near(state, piece, body, bounds))
+    } else {
+        slots_of(state, |&piece| is_fixed_near(state, piece, bounds))
+    }
+}
+
+/// The range of slots that holds all pieces that are near.
+fn slots_of(state: &State, is_near: impl Fn(&usize) -> bool) -> Range<usize> {
     let mut slots = 0..state.registers.piece_slots as usize;
-    let is_near = |&piece: &usize| is_obstacle_near(state, piece, body, bounds);
-    match slots.clone().find(is_near) {
-        Some(low) => low..slots.rfind(is_near).map_or(low, |high| high + 1),
+    match slots.clone().find(&is_near) {
+        Some(low) => low..slots.rfind(&is_near).map_or(low, |high| high + 1),
         None => 0..0,
     }
+}
+
+fn is_fixed_near(state: &State, piece: usize, bounds: &Bounds) -> bool {
+    state.pieces.body_kind[piece] == BodyKind::Fixed.code()
+        && state.pieces.bounds[piece].overlaps(bounds)
 }
 
 /// Whether the pairs of a body with chains, collected for another way, hold for this one too.

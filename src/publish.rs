@@ -5,7 +5,7 @@ use crate::geometry::motion::interpolate;
 use crate::math::{self, Pose, displacement_of};
 use crate::state::State;
 use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, is_body_of};
-use crate::state::chains::{ChainOptions, joints_of, linkage, next_chain, slot_range};
+use crate::state::chains::{ChainOptions, has_chains, joints_of, linkage, next_chain, slot_range};
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::ways::{Position, driven_at};
 use glam::Vec3;
@@ -31,7 +31,9 @@ fn publish_driven(state: &mut State, body: usize) {
     if moved {
         state.bodies.pose[body] = reached.root;
         move_locals(state, body, reached.local);
-        move_links(state, body, &reached);
+        if has_chains(state, body) {
+            move_links(state, body, &reached);
+        }
         place_pieces(state, body);
     }
     settle(state, body, moved);
@@ -78,8 +80,7 @@ pub(crate) fn place_published_links(state: &mut State, body: usize) {
     }
 }
 
-/// Recomputes the world poses of a body's links, and the poses and boxes of its pieces.
-pub(crate) fn place_pieces(state: &mut State, body: usize) {
+fn place_links_in_world(state: &mut State, body: usize) {
     let pose = state.bodies.pose[body];
     let mut chain = state.bodies.first_chain[body];
     while let Some(index) = chain.checked_sub(1) {
@@ -88,14 +89,23 @@ pub(crate) fn place_pieces(state: &mut State, body: usize) {
         }
         chain = next_chain(state, index as usize);
     }
+}
+
+/// Recomputes the world poses of a body's links, and the poses and boxes of its pieces.
+pub(crate) fn place_pieces(state: &mut State, body: usize) {
+    let pose = state.bodies.pose[body];
+    let skeleton = has_chains(state, body);
+    if skeleton {
+        place_links_in_world(state, body);
+    }
     let first = state.bodies.first_piece[body];
     let (pieces, joints) = (&mut state.pieces, &state.joints);
     for piece in PiecesOf::new(pieces.next, first) {
-        let frame = match pieces.link[piece].checked_sub(1) {
-            Some(joint) => joints.world[joint as usize],
-            None => pose,
+        let world = if skeleton && pieces.link[piece] != 0 {
+            joints.world[pieces.link[piece] as usize - 1].then(&pieces.local[piece])
+        } else {
+            pose.then(&pieces.local[piece])
         };
-        let world = frame.then(&pieces.local[piece]);
         pieces.world[piece] = world;
         pieces.bounds[piece] = Bounds::of(&pieces.shape[piece], &world);
     }

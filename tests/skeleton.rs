@@ -4,7 +4,7 @@ mod common;
 
 use common::{Block, add_box};
 use glam::{DQuat, DVec3, Quat, Vec3};
-use palpable::frame::{FrameInput, FrameReport};
+use palpable::frame::{Budget, FrameInput, FrameReport};
 use palpable::geometry::chain::{Hinge, JointDef};
 use palpable::limits::OVERLAP_SLOP_M;
 use palpable::math::Pose;
@@ -118,7 +118,8 @@ fn an_arm_at_a_wall_stays_outside() {
     );
     let shoulder = Pose::at(0.0, 1.4, 0.0);
     let (body, chain) = add_arm(&mut world, shoulder, ChainOptions::DEFAULT);
-    let mut before = world.angles(chain).unwrap().to_vec();
+    let mut before = vec![0.0, 0.0, 0.0, 0.3, 0.0, 0.0, 0.0];
+    world.place_angles(chain, &before).unwrap();
     let (mut deepest, mut jump, mut steps) = (f64::NEG_INFINITY, 0.0_f32, 0);
     for frame in 0..400 {
         let t = (frame as f32 / 180.0).min(1.0);
@@ -141,21 +142,250 @@ fn an_arm_at_a_wall_stays_outside() {
             jump = jump.max((a - b).abs());
         }
         steps += report.reach_steps;
-        if frame % 40 == 0 {
-            println!(
-                "{frame} {:?} {:?} {:?} {now:?} {:?}",
-                report,
-                world.chain_report(chain).unwrap(),
-                world.driven_report(body).unwrap(),
-                depth_m(&world, body, chain, -0.45)
-            );
+        before = now;
+    }
+    assert!(deepest <= f64::from(OVERLAP_SLOP_M), "{deepest} m");
+    assert!(deepest > -1e-3, "the arm comes to the wall: {deepest} m");
+    assert!(steps > 0 && jump < 3.0_f32.to_radians(), "{steps} {jump}");
+    assert_eq!(world.pose(body).unwrap(), shoulder);
+}
+
+#[test]
+fn the_wrist_of_an_arm_stays_where_the_tracker_is_nearest() {
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    // The wall's face is at z = -0.40.
+    add_box(
+        &mut world,
+        BodyKind::Fixed,
+        Pose::at(0.0, 1.2, -0.50),
+        [2.0, 2.0, 0.1],
+    );
+    let shoulder = Pose::at(0.0, 1.4, 0.0);
+    let options = ChainOptions {
+        flags: ChainOptions::MOVES_ROOT | ChainOptions::HOLDS_TIP,
+        ..ChainOptions::DEFAULT
+    };
+    let (body, chain) = add_arm(&mut world, shoulder, options);
+    let posture = [0.4, 0.1, 0.0, 1.2, 0.0, 0.0, 0.0];
+    let forward = Quat::from_rotation_x(core::f32::consts::FRAC_PI_2);
+    let start = Pose::new(forward, Vec3::new(0.0, 1.25, -0.20));
+    world.set_tip(chain, &start, &posture).unwrap();
+    let angles = world.target_angles(chain).unwrap().to_vec();
+    world.place_angles(chain, &angles).unwrap();
+    let mut before = angles;
+    let (mut deepest, mut jump, mut off) = (f64::NEG_INFINITY, 0.0_f32, 0.0_f32);
+    for frame in 0..600 {
+        let t = (frame as f32 / 180.0).min(1.0);
+        let s = 0.5 - 0.5 * (t * core::f32::consts::PI).cos();
+        // 150 mm behind the face, and sideways along it.
+        let aside = 0.1 * ((frame as f32 / 400.0).min(1.0) * 6.0).sin();
+        let wrist = Vec3::new(aside, 1.25, -0.20 - 0.35 * s);
+        world
+            .set_tip(chain, &Pose::new(forward, wrist), &posture)
+            .unwrap();
+        step(&mut world, body, &shoulder);
+        deepest = deepest.max(depth_m(&world, body, chain, -0.40));
+        let now = world.angles(chain).unwrap().to_vec();
+        if frame > 0 {
+            for (a, b) in now.iter().zip(&before) {
+                jump = jump.max((a - b).abs());
+            }
+        }
+        let at = world.link_poses(chain).unwrap()[6].translation();
+        let nearest = Vec3::new(wrist.x, wrist.y, wrist.z.max(at.z));
+        if frame > 250 {
+            off = off.max((at - nearest).length());
+        }
+        if frame > 500 {
+            assert_eq!(now, before, "a still tracker keeps the arm still");
         }
         before = now;
     }
-    println!(
-        "deepest {deepest} jump {} deg steps {steps} root {:?}",
-        jump.to_degrees(),
-        world.pose(body).unwrap()
+    assert!(deepest <= f64::from(OVERLAP_SLOP_M), "{deepest} m");
+    assert!(deepest > -1e-3, "the arm comes to the wall: {deepest} m");
+    assert!(jump < 3.0_f32.to_radians(), "{jump}");
+    assert!(off < 5e-3, "{off} m from the nearest point");
+}
+
+#[test]
+fn free_chains_follow_to_the_bit_and_cost_no_step() {
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    let (body, chain) = add_arm(&mut world, Pose::at(0.0, 1.4, 0.0), ChainOptions::DEFAULT);
+    for frame in 0..200 {
+        let t = frame as f32 * 0.05;
+        let angles: Vec<f32> = (0..7).map(|i| 0.4 * (t + i as f32).sin()).collect();
+        world.set_angles(chain, &angles).unwrap();
+        let targets = world.target_angles(chain).unwrap().to_vec();
+        let root = Pose::at(t.sin(), 1.4, t.cos());
+        let report = step(&mut world, body, &root);
+        assert_eq!(world.angles(chain).unwrap(), targets);
+        assert_eq!(world.pose(body).unwrap(), root);
+        assert_eq!(report.reach_steps, 0);
+        for ((target, angle), joint) in targets.iter().zip(&angles).zip(arm_joints()) {
+            if let JointDef::Hinge(hinge) = joint {
+                assert_eq!(*target, angle.clamp(hinge.low_rad, hinge.high_rad));
+            }
+        }
+    }
+}
+
+/// Distance of two segments, by ternary search over the one and projection on the other: distance is
+/// convex along a segment.
+fn segment_distance(a: [DVec3; 2], b: [DVec3; 2]) -> f64 {
+    let to_b = |p: DVec3| {
+        let along = b[1] - b[0];
+        let t = ((p - b[0]).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+        p.distance(b[0] + along * t)
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..100 {
+        let (x, y) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+        if to_b(a[0].lerp(a[1], x)) < to_b(a[0].lerp(a[1], y)) {
+            high = y;
+        } else {
+            low = x;
+        }
+    }
+    to_b(a[0].lerp(a[1], low))
+}
+
+/// How far the surfaces of two arms are apart, in metres.
+fn arms_apart_m(a: &[DVec3], b: &[DVec3]) -> f64 {
+    let mut least = f64::INFINITY;
+    for p in a.chunks(2) {
+        for q in b.chunks(2) {
+            least = least.min(segment_distance([p[0], p[1]], [q[0], q[1]]));
+        }
+    }
+    least - 2.0 * f64::from(RADIUS_M)
+}
+
+#[test]
+fn arms_of_one_body_do_not_cross() {
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    let root = Pose::at(0.0, 1.4, 0.0);
+    let body = world
+        .add_body(&BodyDef::new(BodyKind::Driven, root))
+        .unwrap();
+    let options = ChainOptions {
+        flags: ChainOptions::MOVES_ROOT | ChainOptions::MEETS_BODY,
+        ..ChainOptions::DEFAULT
+    };
+    let mut arms = vec![];
+    for side in [-0.2, 0.2] {
+        let mut joints = arm_joints();
+        if let JointDef::Hinge(first) = &mut joints[0] {
+            first.rest = Pose::at(side, 0.0, 0.0);
+        }
+        let def = ChainDef {
+            joints: &joints,
+            base: None,
+            options,
+        };
+        let chain = world.add_chain(body, &def).unwrap();
+        for (link, to) in LINKS {
+            world.add_link_piece(chain, link, &capsule(to)).unwrap();
+        }
+        arms.push(chain);
+    }
+    let mut nearest = f64::INFINITY;
+    let mut touched = 0;
+    for frame in 0..500 {
+        let s = 0.5 - 0.5 * (frame as f32 * 0.02).cos();
+        // Both reach forward and inward: left to the right and right to the left, the left a bit lower.
+        for (chain, sign) in arms.iter().zip([1.0, -1.0]) {
+            let lift = 1.4 + 0.1 * sign;
+            let angles = [lift, sign * 0.7 * s, 0.0, 0.2, 0.0, 0.0, 0.0];
+            world.set_angles(*chain, &angles).unwrap();
+        }
+        let report = step(&mut world, body, &root);
+        let mut places = vec![];
+        for (chain, side) in arms.iter().zip([-0.2, 0.2]) {
+            let mut points = ends(&world, body, *chain);
+            for point in &mut points {
+                point.x += side;
+            }
+            places.push(points);
+        }
+        let apart = arms_apart_m(&places[0], &places[1]);
+        assert!(apart >= -1e-3, "frame {frame}: {apart} m");
+        nearest = nearest.min(apart);
+        touched += u32::from(report.reach_steps > 0);
+    }
+    assert!(
+        nearest < 1e-3 && touched > 50,
+        "the arms meet: {nearest} m, {touched} frames"
     );
-    assert!(deepest <= f64::from(OVERLAP_SLOP_M));
+}
+
+#[test]
+fn two_driven_bodies_keep_out_of_each_other() {
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    let mut hands = vec![];
+    for side in [-0.3, 0.3] {
+        let hand = add_box(
+            &mut world,
+            BodyKind::Driven,
+            Pose::at(side, 1.0, 0.0),
+            [0.05; 3],
+        );
+        hands.push(hand);
+    }
+    let mut nearest = f32::INFINITY;
+    for frame in 0..300 {
+        // Fast, through each other and back.
+        let x = 0.3 * (frame as f32 * 0.2).cos();
+        world.set_target(hands[0], &Pose::at(-x, 1.0, 0.0)).unwrap();
+        world.set_target(hands[1], &Pose::at(x, 1.01, 0.0)).unwrap();
+        world.step(&FrameInput::unlimited(FRAME_S));
+        let [a, b] = [0, 1].map(|i| world.pose(hands[i]).unwrap().translation());
+        let gap = (a - b).abs() - Vec3::splat(0.1);
+        let gap = gap.x.max(gap.y).max(gap.z);
+        assert!(gap > -OVERLAP_SLOP_M, "frame {frame}: {gap} m");
+        nearest = nearest.min(gap);
+    }
+    assert!(nearest < 1e-3);
+}
+
+#[test]
+fn without_budget_the_arm_is_held_before_the_wall_within_its_limits() {
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    add_box(
+        &mut world,
+        BodyKind::Fixed,
+        Pose::at(0.0, 1.2, -0.55),
+        [2.0, 2.0, 0.1],
+    );
+    let shoulder = Pose::at(0.0, 1.4, 0.0);
+    let (body, chain) = add_arm(&mut world, shoulder, ChainOptions::DEFAULT);
+    let mut cut = 0;
+    for frame in 0..400_u32 {
+        let s = 0.5 - 0.5 * (frame as f32 * 0.05).cos();
+        world
+            .set_angles(chain, &[1.5 * s, 0.2, 0.0, 0.3, 0.0, 0.0, 0.0])
+            .unwrap();
+        world.set_target(body, &shoulder).unwrap();
+        let report = world.step(&FrameInput {
+            dt_s: FRAME_S,
+            budget: Budget {
+                advance_units: frame % 5,
+                impulse_units: 0,
+                reach_steps: frame % 3,
+            },
+        });
+        assert!(report.advance_units <= frame % 5 && report.reach_steps <= frame % 3);
+        cut += u32::from(report.flags & (FrameReport::REACH_CUT | FrameReport::ADVANCE_CUT) != 0);
+        assert!(depth_m(&world, body, chain, -0.45) <= f64::from(OVERLAP_SLOP_M));
+        for (joint, &angle) in arm_joints().iter().zip(world.angles(chain).unwrap()) {
+            if let JointDef::Hinge(hinge) = joint {
+                assert!(angle >= hinge.low_rad && angle <= hinge.high_rad);
+            }
+        }
+    }
+    assert!(cut > 0);
 }

@@ -8,6 +8,7 @@ pub mod generate;
 pub mod local_walk;
 pub mod measure;
 pub mod methods;
+pub mod reach;
 pub mod shapes;
 pub mod summary;
 mod table;

@@ -11,6 +11,7 @@
 //! rotations, because the recorded poses have no rotations of their own for three of them.
 
 mod coverage;
+mod fingers;
 mod hull;
 mod joints;
 mod model;
@@ -23,6 +24,7 @@ use std::fmt;
 use glam::{DQuat, DVec3};
 
 pub use coverage::Coverage;
+pub use fingers::{ArticulatedHand, FingerAngles, FingerFit, FingerLink, PartPlace};
 pub use joints::{JOINT_COUNT, JOINT_NAMES, PALM, WRIST, joint_index, joint_parent};
 pub use model::HandMesh;
 pub use parts::PART_COUNT;

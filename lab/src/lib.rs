@@ -2,6 +2,8 @@
 //! this.
 
 pub mod accuracy;
+pub mod avatar;
+pub mod figures;
 pub mod gallery;
 pub mod hand;
 pub mod hand_scene;

@@ -57,6 +57,18 @@ enum Measured {
         #[arg(long, default_value = "out")]
         out: PathBuf,
     },
+    /// Inverse kinematics: goals met, nearness to the optimum, limits, drift and time.
+    Reach {
+        /// Cases in each class; pushes of the arm are ten times as many.
+        #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+        cases: u32,
+        /// Seed of all cases.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Where accuracy-reach.json and the figures go.
+        #[arg(long, default_value = "out")]
+        out: PathBuf,
+    },
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -99,6 +111,9 @@ fn main() -> ExitCode {
         Some(Command::Accuracy {
             of: Measured::Penetration { pairs, seed, out },
         }) => accuracy_of_penetration(*pairs, *seed, out),
+        Some(Command::Accuracy {
+            of: Measured::Reach { cases, seed, out },
+        }) => accuracy_of_reach(*cases, *seed, out),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -129,6 +144,26 @@ fn accuracy_of_penetration(
     println!("{}", accuracy::tables(&found));
     accuracy::write(&found, out)?;
     println!("wrote {}", out.join("accuracy-penetration.svg").display());
+    Ok(())
+}
+
+/// Closed loops that are drawn.
+const LOOPS: u32 = 60;
+
+fn accuracy_of_reach(cases: u32, seed: u64, out: &Path) -> Result<(), Box<dyn std::error::Error>> {
+    let plan = accuracy::reach::ReachPlan {
+        seed,
+        cases,
+        loops: LOOPS,
+        timed: true,
+    };
+    let bar = progress(plan.ticks(), "classes")?;
+    let found = accuracy::reach::run(&plan, || bar.inc(1));
+    bar.finish_and_clear();
+    println!("{}", accuracy::reach::tables(&found));
+    accuracy::reach::write(&found, out)?;
+    println!("wrote {}", out.join("accuracy-reach-steps.svg").display());
+    println!("wrote {}", out.join("accuracy-reach-time.svg").display());
     Ok(())
 }
 

@@ -306,13 +306,50 @@ pub enum JointDef {
     },
 }
 
+/// How far the first angle of a ball's swing may go, in radians; the second half a turn. The cone decides:
+/// an arm raised past overhead goes beyond half a turn without a jump.
+pub const SWING_RAD: f32 = 1.5 * PI;
+
 impl JointDef {
-    /// How many hinges the joint takes.
+    /// One, or three for a ball.
     #[must_use]
-    pub const fn hinges(&self) -> usize {
+    pub const fn hinge_count(&self) -> usize {
         match self {
             Self::Hinge(_) => 1,
             Self::Ball { .. } => 3,
+        }
+    }
+
+    /// Pose in the frame of the link before it.
+    #[must_use]
+    pub const fn rest(&self) -> Pose {
+        match self {
+            Self::Hinge(hinge) => hinge.rest,
+            Self::Ball { rest, .. } => *rest,
+        }
+    }
+
+    /// The joint as hinges. A ball's first two are as wide as the swing can be; its cone limits them.
+    #[must_use]
+    pub fn hinges(&self) -> ArrayVec<Hinge, 3> {
+        let one = |rest, axis, low_rad, high_rad| Hinge {
+            rest,
+            axis,
+            low_rad,
+            high_rad,
+        };
+        match *self {
+            Self::Hinge(hinge) => ArrayVec::from_iter([hinge]),
+            Self::Ball {
+                rest,
+                twist_low_rad,
+                twist_high_rad,
+                ..
+            } => ArrayVec::from([
+                one(rest, Vec3::X, -SWING_RAD, SWING_RAD),
+                one(Pose::IDENTITY, Vec3::Y, -PI, PI),
+                one(Pose::IDENTITY, Vec3::Z, twist_low_rad, twist_high_rad),
+            ]),
         }
     }
 }

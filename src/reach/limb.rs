@@ -4,9 +4,9 @@ use arrayvec::ArrayVec;
 use glam::Vec3;
 
 use super::cyclic_descent::cyclic_descent;
-use super::goal::{Goal, Task};
+use super::goal::{Goal, Reached, Task};
 use super::least_deviation::least_deviation;
-use super::root::{HalfSpaces, add};
+use super::root::{HalfSpaces, add, nearest_outside};
 use super::skeleton::goes_with_root;
 use super::touch::{Goals, Place, Touches, deepest_m};
 use crate::geometry::chain::{Ball, Posture, posture};
@@ -29,6 +29,12 @@ const MISSED_M: f32 = 2e-5;
 /// What a tip that is off its place costs against the angles, in m2/rad2: a radian of change is worth a
 /// hundredth of a millimetre at arm's length.
 const TIP_SOFTNESS: f32 = 1e-5;
+
+/// How far a sliding tip's planes may be missed before the last steps, in metres.
+const SLIDING_M: f32 = 5e-4;
+
+/// Points of a chain nearer to its tip than this move with it, in metres.
+const TIP_NEAR_M: f32 = 0.15;
 
 /// How often the lowest points of the touching pieces are looked for again.
 const ROUNDS: u32 = 3;
@@ -110,6 +116,8 @@ struct Problem<'p> {
     goals: Goals,
     /// How many of the goals are the tip's.
     soft: usize,
+    /// Where the tip is wanted, in the solver's frame.
+    tip: Vec3,
 }
 
 impl<'p> Problem<'p> {
@@ -137,6 +145,7 @@ impl<'p> Problem<'p> {
             balls: balls.take(CHAIN_HINGES_MAX / 3).collect(),
             goals: Goals::new(),
             soft: 0,
+            tip: Vec3::ZERO,
         };
         new.hold_tip(state);
         new
@@ -157,12 +166,47 @@ impl<'p> Problem<'p> {
             .root
             .point(state.ways.from_link[slot + last].point(tip));
         let to = state.ways.tip[self.limb.chain];
-        let place = self.place.point(from + (to - from) * self.limb.share);
-        for goal in Goal::place(last - self.place.first_joint, tip, place) {
+        self.tip = self.place.point(from + (to - from) * self.limb.share);
+        for goal in Goal::place(last - self.place.first_joint, tip, self.tip) {
             let softness = TIP_SOFTNESS;
             self.goals.push(Goal { softness, ..goal });
         }
         self.soft = self.goals.len();
+    }
+
+    /// Moves the tip's goals by the least translation that takes the touching points near it out of their
+    /// planes, with its link turned as in a posture: where the paper's equation 3 wants it.
+    fn project_tip(&mut self, posture: &Posture) {
+        if self.soft == 0 {
+            return;
+        }
+        let at = self.goals[0].at(posture);
+        let mut planes = HalfSpaces::new();
+        for goal in &self.goals[self.soft..] {
+            let aside = goal.at(posture) - at;
+            if math::length(aside) <= TIP_NEAR_M {
+                let above = goal.normal.dot(self.tip + aside) - goal.height_m;
+                add(&mut planes, goal.normal, -above);
+            }
+        }
+        let out = nearest_outside(&planes).unwrap_or(Vec3::ZERO);
+        let place = self.tip + out;
+        let Some(normal) = math::direction(out) else {
+            for (goal, axis) in self.goals.iter_mut().zip(Vec3::AXES) {
+                goal.normal = axis;
+                goal.height_m = axis.dot(place);
+                goal.softness = TIP_SOFTNESS;
+            }
+            return;
+        };
+        // How far out it is, the planes and the angles say; where along them, the tip does.
+        let first = math::perpendicular(normal);
+        let along = [first, normal.cross(first), normal];
+        for (goal, axis) in self.goals.iter_mut().zip(along) {
+            goal.normal = axis;
+            goal.height_m = axis.dot(place);
+            goal.softness = if axis == normal { 1.0 } else { TIP_SOFTNESS };
+        }
     }
 
     fn task<'t>(&'t self, state: &'t State) -> Task<'t> {
@@ -202,6 +246,7 @@ impl<'p> Problem<'p> {
         self.look(state, &start);
         self.look(state, &wanted);
         let depth = deepest_m(&self.goals, &wanted);
+        self.project_tip(&start);
         state.chains.depth[self.limb.chain] = depth;
         if depth <= TOLERANCE_M {
             return (self.wanted.clone(), self.swing(state, from, self.wanted));
@@ -236,13 +281,16 @@ impl<'p> Problem<'p> {
             let task = self.task(state);
             let found = if descends {
                 cyclic_descent(&task, &mut angles, most)
-            } else {
+            } else if self.soft == 0 {
                 least_deviation(&task, &mut angles, most)
+            } else {
+                slid(&task, self.soft, &mut angles, most)
             };
             steps.spend(found.steps);
             state.chains.report[chain].steps += found.steps;
             missed_m = found.missed_m;
             let posture = self.posture(state, &angles);
+            self.project_tip(&posture);
             if !self.look(state, &posture) || deepest_m(&self.goals, &posture) <= TOLERANCE_M {
                 break;
             }
@@ -294,6 +342,27 @@ impl<'p> Problem<'p> {
             .sum();
         let turned: f32 = from.iter().zip(to).map(|(a, b)| (a - b).abs()).sum();
         turned * math::max(length, 0.1) < STILL_M
+    }
+}
+
+/// Slides a tip that is held along the contact planes: the least deviation with the planes kept loosely,
+/// since they bend under it, and then the least change from there that keeps them.
+fn slid(task: &Task, soft: usize, angles: &mut Angles, steps: u32) -> Reached {
+    let loose = Task {
+        tolerance_m: SLIDING_M,
+        ..*task
+    };
+    let first = least_deviation(&loose, angles, steps);
+    let wanted = angles.clone();
+    let tight = Task {
+        wanted: &wanted,
+        goals: &task.goals[soft..],
+        ..*task
+    };
+    let second = least_deviation(&tight, angles, steps - first.steps.min(steps));
+    Reached {
+        steps: first.steps + second.steps,
+        missed_m: second.missed_m,
     }
 }
 

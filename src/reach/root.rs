@@ -165,7 +165,7 @@ const ROUNDING_M: f32 = 1e-7;
 /// Seidel's incremental scheme: a vector that violates the next half-space is replaced by the
 /// shortest on its plane that satisfies all before it, which is the same problem in one dimension
 /// less. Cost: at most of the order of n^3 for n half-spaces, n when few bind.
-fn nearest_outside(planes: &[HalfSpace]) -> Option<Vec3> {
+pub(super) fn nearest_outside(planes: &[HalfSpace]) -> Option<Vec3> {
     let mut u = Vec3::ZERO;
     for (i, plane) in planes.iter().enumerate() {
         if plane.normal.dot(u) < plane.offset - ROUNDING_M {

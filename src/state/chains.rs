@@ -49,11 +49,11 @@ impl ChainOptions {
     /// Contact moves the root alone: the joints follow the tracked angles, as a rigid group does.
     pub const RIGID: u32 = 1 << 3;
 
-    /// Least deviation, moves the root, returns within 20 ms.
+    /// Least deviation, moves the root, returns with a time constant of 60 ms.
     pub const DEFAULT: Self = Self {
         method: Self::LEAST_DEVIATION,
         flags: Self::MOVES_ROOT,
-        attraction_s: 0.02,
+        attraction_s: 0.06,
         tip: [0.0; 3],
     };
 
@@ -119,6 +119,10 @@ columns! {
         report: [ChainReport; capacities.chains],
         /// From the tracked tip to the published one, in the world.
         tip_offset: [Vec3; capacities.chains],
+        /// Where the tracker itself sees the tip, in the world, when it does.
+        tip_seen: [Vec3; capacities.chains],
+        /// One when it does, zero when the tracked angles say where the tip is.
+        is_tip_seen: [u32; capacities.chains],
         /// Where the tracked tip was in the last frame.
         tip_tracked: [Vec3; capacities.chains],
         /// How deep the chain was when it was last solved, in metres: the deepest is solved first.

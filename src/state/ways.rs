@@ -92,6 +92,14 @@ pub(crate) struct Position {
 }
 
 impl Position {
+    /// The same place as the body's root sees it.
+    pub(crate) const fn in_root(&self) -> Self {
+        Self {
+            root: Pose::IDENTITY,
+            ..*self
+        }
+    }
+
     /// The body staying there.
     pub(crate) const fn still(&self) -> BodyTrack {
         BodyTrack {
@@ -173,6 +181,19 @@ pub(crate) const fn track(from: &Position, to: &Position) -> BodyTrack {
         local_from: from.local,
         local_to: to.local,
         leg: from.leg,
+    }
+}
+
+/// Where one piece of a body is.
+pub(crate) fn piece_pose(state: &State, piece: usize, at: &Position) -> Pose {
+    let pieces = &state.pieces;
+    let local = interpolate(&pieces.local[piece], &pieces.local_target[piece], at.local);
+    match pieces.link[piece].checked_sub(1) {
+        None => at.root.then(&local),
+        Some(joint) => {
+            let link = link_path(state, joint as usize, at.leg).at(at.share);
+            at.root.then(&link).then(&local)
+        }
     }
 }
 

@@ -118,6 +118,7 @@ impl World<'_> {
         chains.report[slot] = ChainReport::default();
         chains.tip_offset[slot] = Vec3::ZERO;
         chains.tip_tracked[slot] = Vec3::ZERO;
+        chains.is_tip_seen[slot] = 0;
         chains.depth[slot] = 0.0;
         let id = ChainId::new(slot, chains.generation[slot]);
         self.store_joints(slot, def.joints);
@@ -177,23 +178,21 @@ impl World<'_> {
             joint - 1
         };
         for def in defs {
-            match *def {
-                JointDef::Hinge(hinge) => {
-                    let rest = hinge.rest.normalised(WORLD_REACH_M).unwrap_or_default();
-                    let axis = math::direction(hinge.axis).unwrap_or(Vec3::X);
-                    let hinge = Hinge {
+            let is_ball = def.hinge_count() == 3;
+            for (index, hinge) in def.hinges().into_iter().enumerate() {
+                let rest = hinge.rest.normalised(WORLD_REACH_M).unwrap_or_default();
+                let axis = math::direction(hinge.axis).unwrap_or(Vec3::X);
+                let at = put(
+                    &mut self.state,
+                    Hinge {
                         rest,
                         axis,
                         ..hinge
-                    };
-                    put(&mut self.state, hinge, false);
-                }
-                JointDef::Ball { cone, .. } => {
-                    let [a, b, c] = ball_hinges(def);
-                    let first = put(&mut self.state, a, true);
-                    put(&mut self.state, b, false);
-                    put(&mut self.state, c, false);
-                    self.state.joints.cone[cone_slot(first)] = cone;
+                    },
+                    is_ball && index == 0,
+                );
+                if let (JointDef::Ball { cone, .. }, 0) = (def, index) {
+                    self.state.joints.cone[cone_slot(at)] = *cone;
                 }
             }
         }
@@ -363,6 +362,7 @@ impl World<'_> {
             return Err(ChainError::BadAngle);
         }
         self.state.joints.target[joints].copy_from_slice(angles);
+        self.state.chains.is_tip_seen[chain] = 0;
         self.keep_targets(chain);
         Ok(())
     }
@@ -395,6 +395,7 @@ impl World<'_> {
         if !poses.iter().all(|p| p.normalised(WORLD_REACH_M).is_some()) {
             return Err(ChainError::BadPose);
         }
+        self.state.chains.is_tip_seen[chain] = 0;
         let mut before = self.target_base(chain).quat();
         let mut joint = joints.start;
         for pose in poses {
@@ -477,6 +478,9 @@ impl World<'_> {
         let last = reached.last().map_or(root, |placed| placed.link);
         self.state.joints.target[joints].copy_from_slice(angles);
         self.keep_targets(chain);
+        let chains = &mut self.state.chains;
+        chains.is_tip_seen[chain] = 1;
+        chains.tip_seen[chain] = tip.point(Vec3::from_array(chains.options[chain].tip));
         Ok(math::length(
             last.translation() + base.translation() - tip.translation(),
         ))
@@ -537,38 +541,9 @@ impl World<'_> {
     }
 }
 
-/// The hinges of a ball.
-fn ball_hinges(def: &JointDef) -> [Hinge; 3] {
-    let JointDef::Ball {
-        rest,
-        twist_low_rad,
-        twist_high_rad,
-        ..
-    } = *def
-    else {
-        unreachable!("only balls have three hinges");
-    };
-    let swing = |rest: Pose, axis: Vec3| Hinge {
-        rest,
-        axis,
-        low_rad: -core::f32::consts::TAU,
-        high_rad: core::f32::consts::TAU,
-    };
-    [
-        swing(rest.normalised(WORLD_REACH_M).unwrap_or_default(), Vec3::X),
-        swing(Pose::IDENTITY, Vec3::Y),
-        Hinge {
-            rest: Pose::IDENTITY,
-            axis: Vec3::Z,
-            low_rad: twist_low_rad,
-            high_rad: twist_high_rad,
-        },
-    ]
-}
-
 /// Refuses joints that make no chain; how many hinges they take.
 fn judge_joints(defs: &[JointDef]) -> Result<usize, AddChainError> {
-    let hinges: usize = defs.iter().map(JointDef::hinges).sum();
+    let hinges: usize = defs.iter().map(JointDef::hinge_count).sum();
     if hinges == 0 || hinges > CHAIN_HINGES_MAX {
         return Err(AddChainError::WrongCount);
     }
