@@ -1447,9 +1447,10 @@ palp_status palp_chain_set_link_poses(struct palp_world *world,
 
 /**
  * Tells where the tracker sees the last link alone, in the world: a controller in the hand. The targets
- * become the angles that bring the link there with the least change from `posture_rad`, which has one
- * angle for each hinge and does not depend on the frame before, or that come as near as the limits
- * allow. `distance_m`, which may be null, gets how far from there the link's origin is then, in metres.
+ * become the angles that bring the link there with the least change from `posture_rad`, one angle for
+ * each hinge, or that come as near as the limits allow. Give a relaxed posture, the same in every frame:
+ * then nothing drifts. `distance_m`, which may be null, gets how far from there the link's origin is
+ * then, in metres.
  * Instead of `palp_chain_set_angles`; call it behind `palp_body_set_target`, and for a chain behind the
  * one that it hangs on. Costs at most 16 steps of the least-deviation solver.
  */
