@@ -19,6 +19,12 @@
  * written, during the call only. Results are written when the status is not negative. Arrays that the
  * host gives must not lie in the world's block.
  *
+ * Skeletons. A chain is a path of joints on a driven body, or on a link of another chain of that body: an
+ * arm, a leg, a finger. A joint is a hinge, or a ball of three hinges with a reach cone. Angles count by
+ * hinge, three to a ball, in radians; a link is what moves behind a hinge, and its frame is the hinge's.
+ * Pieces lie on links as they lie on bodies. Each frame the host sets the body's target, then the chains',
+ * a chain behind the one that it hangs on; steps; and draws `palp_chain_link_poses`.
+ *
  * Versions. Structs that may grow start with `struct_size`, which the host sets, most easily with the
  * struct's `_INIT` macro; only fields that the host's version has are read or written. Ids are
  * { index1, generation }; zero is null, and an id outlives its thing without harm.
@@ -43,9 +49,9 @@
 /** No rotation, no translation. */
 #define PALP_POSE_IDENTITY { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } }
 
-/** Room for one hand of 18 parts, a furnished room and a few loose objects. */
+/** Room for an avatar or two hands with fingers, a furnished room and a few loose objects. */
 #define PALP_CAPACITIES_ROOM \
-    { (uint32_t)sizeof(palp_capacities), 64, 256, 4096, 1024, 256, 8 }
+    { (uint32_t)sizeof(palp_capacities), 64, 256, 4096, 1024, 256, 8, 16, 96 }
 
 /** Critically damped, settles in about 0.1 s, detached beyond 0.3 m. */
 #define PALP_COUPLING_DEFAULT { 0.4f, 1000.0f, 40.0f, 0.3f, 0, 0.1f }
@@ -59,9 +65,24 @@
     { (uint32_t)sizeof(palp_piece_def), 0, NULL, 0, 0, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }, \
       0.0f, 700.0f, PALP_MATERIAL_WOOD, PALP_POSE_IDENTITY }
 
+/** A hinge about X of half a turn each way, at the origin of the link before it. */
+#define PALP_JOINT_INIT \
+    { (uint32_t)sizeof(palp_joint), PALP_JOINT_HINGE, PALP_POSE_IDENTITY, { 1.0f, 0.0f, 0.0f }, \
+      -3.1415927f, 3.1415927f, { 0.0f, 0.0f, 1.0f }, 0, { { 0.0f, 0.0f, 0.0f } } }
+
+/** Least deviation; what the chain cannot evade, the root does. */
+#define PALP_CHAIN_OPTIONS_DEFAULT { 0, 1, 0.06f, { 0.0f, 0.0f, 0.0f } }
+
+/** A chain on the body's root, its joints not yet set. */
+#define PALP_CHAIN_DEF_INIT \
+    { (uint32_t)sizeof(palp_chain_def), 0, NULL, 0, { 0, 0 }, 0, PALP_CHAIN_OPTIONS_DEFAULT }
+
+/** Empty, to be filled in by `palp_chain_report`. */
+#define PALP_CHAIN_STATE_INIT { (uint32_t)sizeof(palp_chain_state), 0, 0, 0.0f, 0.0f }
+
 /** A frame of 1/60 s with an unlimited budget. */
 #define PALP_FRAME_INPUT_INIT \
-    { (uint32_t)sizeof(palp_frame_input), 1.0f / 60.0f, UINT32_MAX, UINT32_MAX }
+    { (uint32_t)sizeof(palp_frame_input), 1.0f / 60.0f, UINT32_MAX, UINT32_MAX, UINT32_MAX }
 
 /** Empty, to be filled in by `palp_frame_step`. */
 #define PALP_FRAME_REPORT_INIT \
@@ -187,6 +208,11 @@
 #define PALP_FRAME_OVERLAP 64
 
 /**
+ * The steps for chains were used up: raise `palp_frame_input.reach_steps`.
+ */
+#define PALP_FRAME_CUT_REACH 128
+
+/**
  * Contact bent or ended the body's way.
  */
 #define PALP_DRIVEN_TOUCHING 1
@@ -230,6 +256,84 @@
  * Joints of a hand in OpenXR: `XR_HAND_JOINT_COUNT_EXT`.
  */
 #define PALP_HAND_JOINTS 26
+
+/**
+ * Most hinges of a chain; a ball is three.
+ */
+#define PALP_CHAIN_HINGES_MAX 16
+
+/**
+ * Most chains of a body.
+ */
+#define PALP_CHAINS_PER_BODY_MAX 32
+
+/**
+ * Most corners of a reach cone.
+ */
+#define PALP_CONE_CORNERS_MAX 12
+
+/**
+ * A joint with one axis: one hinge of the chain, one angle.
+ */
+#define PALP_JOINT_HINGE 1
+
+/**
+ * Three hinges in one place with the axes X, Y and Z of the rest frame, three angles: Z turned by the
+ * first two is the limb, the third is the twist about it. At angles a and b of the first two the limb
+ * is (sin b, -sin a cos b, cos a cos b) in the rest frame.
+ */
+#define PALP_JOINT_BALL 2
+
+/**
+ * The least change from the tracked angles.
+ */
+#define PALP_METHOD_LEAST_DEVIATION 0
+
+/**
+ * Cyclic coordinate descent, the method of Schmidl and Lin 2004.
+ */
+#define PALP_METHOD_CYCLIC_DESCENT 1
+
+/**
+ * What the chain cannot evade, the body's root does.
+ */
+#define PALP_OPTION_MOVES_ROOT 1
+
+/**
+ * The chain's links keep out of the links of other chains of the body, and of its root, where those do
+ * so too. The root always does.
+ */
+#define PALP_OPTION_MEETS_BODY 2
+
+/**
+ * The tip is kept at its tracked place, along the surface that it touches; the joints give way instead.
+ */
+#define PALP_OPTION_HOLDS_TIP 4
+
+/**
+ * Contact moves the root alone: the joints follow the tracked angles, as a rigid group does.
+ */
+#define PALP_OPTION_RIGID 8
+
+/**
+ * Contact changed the chain's angles.
+ */
+#define PALP_CHAIN_BENT 1
+
+/**
+ * The solver met no posture outside all contact planes.
+ */
+#define PALP_CHAIN_MISSED 2
+
+/**
+ * The budget ended the solver early.
+ */
+#define PALP_CHAIN_CUT 4
+
+/**
+ * The chain stayed as it was for a part of the frame: no way was found.
+ */
+#define PALP_CHAIN_HELD 8
 
 /**
  * A world. Its handle is the address of the block it lies in, which is the host's memory: there is
@@ -276,6 +380,14 @@ typedef struct palp_capacities {
      * Materials that the host adds.
      */
     uint32_t materials;
+    /**
+     * Chains of joints of all bodies.
+     */
+    uint32_t chains;
+    /**
+     * Hinges of all chains; a ball joint is three.
+     */
+    uint32_t joints;
 } palp_capacities;
 
 /**
@@ -488,6 +600,150 @@ typedef struct palp_piece_id {
 } palp_piece_id;
 
 /**
+ * A joint as a chain is made from it. Start from `PALP_JOINT_INIT`.
+ */
+typedef struct palp_joint {
+    /**
+     * `sizeof(palp_joint)`.
+     */
+    uint32_t struct_size;
+    /**
+     * `PALP_JOINT_HINGE` or `PALP_JOINT_BALL`.
+     */
+    uint32_t kind;
+    /**
+     * Pose at angle zero in the frame of the link before it; of the first joint, in the frame of what
+     * the chain hangs on.
+     */
+    struct palp_pose rest_pose;
+    /**
+     * Axis of a hinge in the rest frame, of any length; not looked at for a ball.
+     */
+    struct palp_vec3 axis;
+    /**
+     * Least angle of a hinge, or least twist of a ball, in radians, -6.2831853 or more.
+     */
+    float low_rad;
+    /**
+     * Largest angle of a hinge, or largest twist of a ball, in radians, 6.2831853 or less.
+     */
+    float high_rad;
+    /**
+     * Direction of any length within a ball's reach cone from which every edge of the cone is seen, in
+     * the rest frame; not looked at for a hinge.
+     */
+    struct palp_vec3 cone_visible;
+    /**
+     * Corners of a ball's reach cone, 3 to `PALP_CONE_CORNERS_MAX`; not looked at for a hinge.
+     */
+    uint32_t cone_corner_count;
+    /**
+     * Directions of any length in the rest frame, in order, either way round: the limb stays within the
+     * polygon of great arcs between them. It need not be convex, and may be wider than a hemisphere.
+     */
+    struct palp_vec3 cone_corners[PALP_CONE_CORNERS_MAX];
+} palp_joint;
+
+/**
+ * Names a chain. All zeros is null. A stale id is refused.
+ */
+typedef struct palp_chain_id {
+    /**
+     * Index of the slot plus one; zero is null.
+     */
+    uint32_t index1;
+    /**
+     * How often the slot has been used.
+     */
+    uint32_t generation;
+} palp_chain_id;
+
+/**
+ * How a chain answers contact. Start from `PALP_CHAIN_OPTIONS_DEFAULT`.
+ */
+typedef struct palp_chain_options {
+    /**
+     * `PALP_METHOD_LEAST_DEVIATION` or `PALP_METHOD_CYCLIC_DESCENT`.
+     */
+    uint32_t method;
+    /**
+     * `PALP_OPTION_MOVES_ROOT`, `PALP_OPTION_MEETS_BODY`, `PALP_OPTION_HOLDS_TIP` and `PALP_OPTION_RIGID`.
+     */
+    uint32_t flags;
+    /**
+     * Time constant of the return to the tracked angles once contact lets go, in seconds, 0 to 1e6: the
+     * deviation left after h seconds is exp(-h / attraction_s).
+     */
+    float attraction_s;
+    /**
+     * With `PALP_OPTION_HOLDS_TIP`: the point of the last link that is held, in that link's frame, in
+     * metres.
+     */
+    struct palp_vec3 tip;
+} palp_chain_options;
+
+/**
+ * What a chain is made from. Start from `PALP_CHAIN_DEF_INIT`.
+ */
+typedef struct palp_chain_def {
+    /**
+     * `sizeof(palp_chain_def)`.
+     */
+    uint32_t struct_size;
+    /**
+     * Number of joints, at least 1. Their hinges are at most `PALP_CHAIN_HINGES_MAX`.
+     */
+    uint32_t joint_count;
+    /**
+     * Joints from the base on; read during the call only.
+     */
+    const struct palp_joint *joints;
+    /**
+     * Bytes from one joint to the next; 0 stands for `joints->struct_size`.
+     */
+    uint32_t joint_stride;
+    /**
+     * Chain of the same body that the new one hangs on; null for the body's root.
+     */
+    struct palp_chain_id base;
+    /**
+     * Hinge of `base` whose link that is, from 0; not looked at when `base` is null.
+     */
+    uint32_t base_hinge;
+    /**
+     * How the chain answers contact.
+     */
+    struct palp_chain_options options;
+} palp_chain_def;
+
+/**
+ * What the last frame did to a chain. Start from `PALP_CHAIN_STATE_INIT`.
+ */
+typedef struct palp_chain_state {
+    /**
+     * `sizeof(palp_chain_state)`.
+     */
+    uint32_t struct_size;
+    /**
+     * `PALP_CHAIN_BENT`, `PALP_CHAIN_MISSED`, `PALP_CHAIN_CUT` and `PALP_CHAIN_HELD`.
+     */
+    uint32_t flags;
+    /**
+     * Steps of the solver that were spent.
+     */
+    uint32_t steps;
+    /**
+     * The most that a contact's plane is still violated by in the plan, in metres. The published
+     * posture overlaps nothing all the same: the way ends before.
+     */
+    float missed_m;
+    /**
+     * The most that any angle is from its tracked one, in radians.
+     */
+    float deviation_rad;
+} palp_chain_state;
+
+/**
  * What a frame is given. Start from `PALP_FRAME_INPUT_INIT`.
  */
 typedef struct palp_frame_input {
@@ -508,6 +764,11 @@ typedef struct palp_frame_input {
      * Work that may be spent on loose bodies, in the same units.
      */
     uint32_t impulse_units;
+    /**
+     * Steps that may be spent on chains that touch something: a sweep of cyclic descent, or a step of
+     * least deviation. A chain that gets none goes as far as contact lets its joints follow the trackers.
+     */
+    uint32_t reach_steps;
 } palp_frame_input;
 
 /**
@@ -547,9 +808,9 @@ typedef struct palp_frame_report {
      */
     float lost_s;
     /**
-     * Zero.
+     * Steps spent on chains; none while nothing touches one.
      */
-    uint32_t reserved;
+    uint32_t reach_steps;
 } palp_frame_report;
 
 /**
@@ -681,6 +942,11 @@ typedef struct palp_penetration_result {
 #define PALP_PAIRS_LEFT_OUT 9
 
 /**
+ * Stepped; chains in contact got fewer steps than they wanted: raise `palp_frame_input.reach_steps`.
+ */
+#define PALP_CUT_REACH 10
+
+/**
  * The library failed inside. The world may be half changed: load a saved state or create it anew.
  */
 #define PALP_PANICKED -1
@@ -748,12 +1014,13 @@ typedef struct palp_penetration_result {
 #define PALP_WRONG_KIND -13
 
 /**
- * A pose is not finite, farther than 10 km from the origin, or without orientation.
+ * A pose is not finite, farther than 1024 m from the origin, or without orientation.
  */
 #define PALP_BAD_POSE -14
 
 /**
- * There are not as many entries as the body has pieces.
+ * There are not as many entries as the body has pieces, or as the chain has hinges or joints; or a
+ * chain is to have no joint, or more than `PALP_CHAIN_HINGES_MAX` hinges.
  */
 #define PALP_WRONG_COUNT -15
 
@@ -819,7 +1086,7 @@ typedef struct palp_penetration_result {
 #define PALP_BUFFER_TOO_SMALL -27
 
 /**
- * A piece names a joint that a hand does not have.
+ * A piece names a joint that a hand, or a hinge that the chain, does not have.
  */
 #define PALP_UNKNOWN_JOINT -28
 
@@ -858,6 +1125,82 @@ typedef struct palp_penetration_result {
  */
 #define PALP_SAME_BODY -35
 
+/**
+ * The id names no chain of this world.
+ */
+#define PALP_STALE_CHAIN -36
+
+/**
+ * No room for the chain: raise `palp_capacities.chains`.
+ */
+#define PALP_FULL_CHAINS -37
+
+/**
+ * No room for the chain's joints: raise `palp_capacities.joints`.
+ */
+#define PALP_FULL_JOINTS -38
+
+/**
+ * The body has `PALP_CHAINS_PER_BODY_MAX` chains.
+ */
+#define PALP_TOO_MANY_CHAINS -39
+
+/**
+ * A chain is to hang on what is no chain of the same body, or on a hinge that it does not have.
+ */
+#define PALP_BAD_BASE -40
+
+/**
+ * The axis of a hinge has no direction.
+ */
+#define PALP_BAD_AXIS -41
+
+/**
+ * A range of angles is not finite, reaches beyond a full turn, or ends below its start.
+ */
+#define PALP_BAD_RANGE -42
+
+/**
+ * A chain's options name no method or an unknown flag, its attraction is not 0 to 1e6 s, or its tip is
+ * not finite.
+ */
+#define PALP_BAD_OPTIONS -43
+
+/**
+ * Another chain hangs on this one.
+ */
+#define PALP_CHAIN_IN_USE -44
+
+/**
+ * A reach cone has fewer than 3 corners.
+ */
+#define PALP_CONE_TOO_FEW_CORNERS -45
+
+/**
+ * A reach cone has more than `PALP_CONE_CORNERS_MAX` corners.
+ */
+#define PALP_CONE_TOO_MANY_CORNERS -46
+
+/**
+ * A corner of a reach cone, or the point that sees it, is zero or not finite.
+ */
+#define PALP_CONE_NO_DIRECTION -47
+
+/**
+ * Neighbouring corners of a reach cone are less than a milliradian apart, or less from opposite.
+ */
+#define PALP_CONE_BAD_EDGE -48
+
+/**
+ * The visible point of a reach cone does not see every edge from inside, by a milliradian at least.
+ */
+#define PALP_CONE_NOT_VISIBLE -49
+
+/**
+ * The corners of a reach cone go around its visible point more than once.
+ */
+#define PALP_CONE_BAD_WINDING -50
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -873,7 +1216,7 @@ const char *palp_status_text(palp_status status);
 const char *palp_version(void);
 
 /**
- * Room for one hand of 18 parts, a furnished room and a few loose objects: what
+ * Room for an avatar or two hands with fingers, a furnished room and a few loose objects: what
  * `PALP_CAPACITIES_ROOM` is at compile time. `capacities->struct_size` is set by the host.
  */
 palp_status palp_capacities_room(struct palp_capacities *capacities);
@@ -936,9 +1279,11 @@ palp_status palp_body_add(struct palp_world *world,
                           struct palp_body_id *body);
 
 /**
- * Removes a body and its pieces. Costs one pass over all pieces' vertices for each of its pieces.
+ * Removes a body, its pieces and its chains. Costs one pass over all pieces' vertices for each of its
+ * pieces.
  */
-palp_status palp_body_remove(struct palp_world *world, struct palp_body_id body);
+palp_status palp_body_remove(struct palp_world *world,
+                             struct palp_body_id body);
 
 /**
  * Puts a body elsewhere at once, without a way there. A driven body forgets its displacement, a
@@ -984,7 +1329,7 @@ palp_status palp_body_set_target(struct palp_world *world,
 
 /**
  * Tells where a driven body's pieces are to be in its frame, in the order they were added: the
- * fingers of a tracked hand. They move there over the frame, as far as contact allows. Refused as a
+ * fingers of a tracked hand. A piece on a link of a chain is to be there in the link's frame. They move there over the frame, as far as contact allows. Refused as a
  * whole when `count` is not the number of pieces or any pose is bad.
  */
 palp_status palp_body_set_piece_targets(struct palp_world *world,
@@ -1020,6 +1365,16 @@ palp_status palp_piece_add(struct palp_world *world,
 palp_status palp_piece_remove(struct palp_world *world, struct palp_piece_id piece);
 
 /**
+ * Says which driven pieces pass through each other: of pieces of two driven bodies, or of two chains of
+ * one, those pass of which one belongs to a group, a bit of `member_of`, that the other passes through,
+ * a bit of `passes`. Fixed and dynamic bodies stop every piece. A new piece has zero for both.
+ */
+palp_status palp_piece_set_groups(struct palp_world *world,
+                                  struct palp_piece_id piece,
+                                  uint32_t member_of,
+                                  uint32_t passes);
+
+/**
  * The published pose of a piece in the world.
  */
 palp_status palp_piece_pose(const struct palp_world *world,
@@ -1036,9 +1391,133 @@ palp_status palp_piece_poses(const struct palp_world *world,
                              uint32_t *count);
 
 /**
+ * Adds a chain of joints to a driven body, behind those it has: an arm, a leg, a finger. Its angles
+ * begin at zero, or where the limits are nearest to it, and are held there until targets come.
+ */
+palp_status palp_chain_add(struct palp_world *world,
+                           struct palp_body_id body,
+                           const struct palp_chain_def *def,
+                           struct palp_chain_id *chain);
+
+/**
+ * Removes a chain and the pieces on its links. Refused while another chain hangs on it. Costs one pass
+ * over all pieces' vertices for each of its pieces, and one over all joints.
+ */
+palp_status palp_chain_remove(struct palp_world *world,
+                              struct palp_chain_id chain);
+
+/**
+ * Says how a chain answers contact from the next frame on.
+ */
+palp_status palp_chain_set_options(struct palp_world *world,
+                                   struct palp_chain_id chain,
+                                   const struct palp_chain_options *options);
+
+/**
+ * Adds a piece to the link behind a hinge of a chain, `hinge` counting from 0, three to a ball. The
+ * piece's `local_pose` is in that link's frame. Counts as the body's last piece.
+ */
+palp_status palp_chain_add_piece(struct palp_world *world,
+                                 struct palp_chain_id chain,
+                                 uint32_t hinge,
+                                 const struct palp_piece_def *def,
+                                 struct palp_piece_id *piece);
+
+/**
+ * Tells where the tracker wants a chain's hinges, in radians, from the base on, three to a ball. What is
+ * outside a range or a reach cone becomes the nearest that is inside. The chain moves there over the
+ * frame, as far as contact allows, and keeps its targets until others come. Refused as a whole when
+ * `count` is not the number of hinges or an angle is not finite.
+ */
+palp_status palp_chain_set_angles(struct palp_world *world,
+                                  struct palp_chain_id chain,
+                                  const float *angles_rad,
+                                  uint32_t count);
+
+/**
+ * Tells where the tracker sees a chain's links: one pose in the world for each joint of its definition,
+ * a ball being one joint, that of the link behind it. Only the orientations count; what the joints
+ * cannot do is left out. Instead of `palp_chain_set_angles`; call it behind `palp_body_set_target`, and
+ * for a chain behind the one that it hangs on.
+ */
+palp_status palp_chain_set_link_poses(struct palp_world *world,
+                                      struct palp_chain_id chain,
+                                      const struct palp_pose *poses,
+                                      uint32_t count);
+
+/**
+ * Tells where the tracker sees the last link alone, in the world: a controller in the hand. The targets
+ * become the angles that bring the link there with the least change from `posture_rad`, one angle for
+ * each hinge, or that come as near as the limits allow. Give a relaxed posture, the same in every frame:
+ * then nothing drifts. `distance_m`, which may be null, gets how far from there the link's origin is
+ * then, in metres.
+ * Instead of `palp_chain_set_angles`; call it behind `palp_body_set_target`, and for a chain behind the
+ * one that it hangs on. Costs at most 16 steps of the least-deviation solver.
+ */
+palp_status palp_chain_set_tip(struct palp_world *world,
+                               struct palp_chain_id chain,
+                               const struct palp_pose *tip,
+                               const float *posture_rad,
+                               uint32_t count,
+                               float *distance_m);
+
+/**
+ * Puts a chain's hinges at angles at once, without a way there; they become the targets too. What is
+ * outside the limits becomes the nearest that is inside. Overlap made so is reported by the next frame
+ * and never gets deeper.
+ */
+palp_status palp_chain_place(struct palp_world *world,
+                             struct palp_chain_id chain,
+                             const float *angles_rad,
+                             uint32_t count);
+
+/**
+ * The published angles of a chain's hinges in radians, from the base on. The array lies in the world's
+ * block and is good until the next call that changes the world. `count` may be null.
+ */
+palp_status palp_chain_angles(const struct palp_world *world,
+                              struct palp_chain_id chain,
+                              const float **angles_rad,
+                              uint32_t *count);
+
+/**
+ * The target angles of a chain's hinges in radians, as the limits left them. The array lies in the
+ * world's block and is good until the next call that changes the world. `count` may be null.
+ */
+palp_status palp_chain_target_angles(const struct palp_world *world,
+                                     struct palp_chain_id chain,
+                                     const float **angles_rad,
+                                     uint32_t *count);
+
+/**
+ * The published poses of a chain's links in the world, one behind each hinge. The array lies in the
+ * world's block and is good until the next call that changes the world. `count` may be null.
+ */
+palp_status palp_chain_link_poses(const struct palp_world *world,
+                                  struct palp_chain_id chain,
+                                  const struct palp_pose **poses,
+                                  uint32_t *count);
+
+/**
+ * What the last frame did to a chain. `state->struct_size` is set by the host.
+ */
+palp_status palp_chain_report(const struct palp_world *world,
+                              struct palp_chain_id chain,
+                              struct palp_chain_state *state);
+
+/**
+ * Whether directions make a reach cone: PALP_OK, or the `PALP_CONE_` status with which `palp_chain_add`
+ * would refuse a ball with it. For tools that author skeletons; needs no world.
+ */
+palp_status palp_cone_check(const struct palp_vec3 *visible,
+                            const struct palp_vec3 *corners,
+                            uint32_t count);
+
+/**
  * Tells where a hand tracker sees the 26 joints of a hand that is a driven body: the wrist becomes the
  * body's target, and each piece's target in the body's frame is its joint seen from the wrist, then
- * its offset. Instead of `palp_body_set_target` and `palp_body_set_piece_targets`; call it every frame
+ * its offset. For hands without chains: a piece on a link would take that for its pose in the link's
+ * frame. Instead of `palp_body_set_target` and `palp_body_set_piece_targets`; call it every frame
  * in which `XrHandJointLocationsEXT.isActive` is true.
  *
  * `locations` is an `XrHandJointLocationEXT[26]` as `xrLocateHandJointsEXT` filled it, of any
@@ -1066,8 +1545,8 @@ palp_status palp_hand_set_joints(struct palp_world *world,
 
 /**
  * Steps the world by one frame, spending at most the input's units. Several things may have been cut;
- * the status is the gravest of them (overlap, pairs, contacts, advance, impulses, time step), the
- * report has them all. `report->struct_size` is set by the host; `report` may be null.
+ * the status is the gravest of them (overlap, pairs, contacts, advance, reach, impulses, time step),
+ * the report has them all. `report->struct_size` is set by the host; `report` may be null.
  */
 palp_status palp_frame_step(struct palp_world *world,
                             const struct palp_frame_input *input,

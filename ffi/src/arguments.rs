@@ -3,9 +3,10 @@
 use core::mem::MaybeUninit;
 use core::ops::Range;
 
+use crate::skeleton::{palp_chain_def, palp_chain_state, palp_joint};
 use crate::status::{
-    PALP_BAD_STRUCT_SIZE, PALP_INSIDE_WORLD, PALP_MISALIGNED, PALP_NULL, PALP_WRONG_COUNT,
-    palp_status,
+    PALP_BAD_STRIDE, PALP_BAD_STRUCT_SIZE, PALP_INSIDE_WORLD, PALP_MISALIGNED, PALP_NULL,
+    PALP_WRONG_COUNT, palp_status,
 };
 use crate::types::{
     PALP_PAIR_CONTACTS, palp_body_def, palp_capacities, palp_contact, palp_coupling,
@@ -21,68 +22,68 @@ const STRUCT_BYTES_MAX: usize = 1024;
 /// # Safety
 /// The type is `repr(C)`, starts with a `u32`, has no padding, and every pattern of bits is a value.
 pub(crate) unsafe trait Versioned: Copy {
-    /// Bytes of the first version.
-    const BYTES_MIN: usize;
+    /// Bytes of the versions before this one, the first of them first.
+    const OLDER: &'static [usize];
     /// What fields are that an older version does not have.
     const MISSING: Self;
 }
 
 macro_rules! versioned {
-    ($($name:ident: $bytes:expr, $missing:expr;)*) => {
+    ($($name:ident: $older:expr, $bytes:expr, $missing:expr;)*) => {
         $(
             // SAFETY: the structs of the header are `repr(C)` and made of numbers and pointers; the
             // assertion below finds padding in the sum of their fields.
             unsafe impl Versioned for $name {
-                const BYTES_MIN: usize = $bytes;
+                const OLDER: &'static [usize] = &$older;
                 const MISSING: Self = $missing;
             }
-            const _: () = assert!($bytes <= size_of::<$name>() && size_of::<$name>() <= STRUCT_BYTES_MAX);
+            const _: () = {
+                let bytes: usize = $bytes;
+                assert!(bytes == size_of::<$name>() && bytes <= STRUCT_BYTES_MAX);
+            };
         )*
     };
 }
 
 const POINTER: usize = size_of::<*const u8>();
 
+// Bytes of older versions, then the sum of the fields' bytes.
 versioned! {
-    palp_capacities: 7 * 4, palp_capacities {
+    palp_capacities: [7 * 4], 9 * 4, palp_capacities {
         struct_size: 0, bodies: 0, pieces: 0, vertices: 0, pairs: 0, contacts: 0, materials: 0,
+        chains: 0, joints: 0,
     };
-    palp_body_def: 2 * 4 + 28 + 6 * 4, palp_body_def {
+    palp_body_def: [], 2 * 4 + 28 + 6 * 4, palp_body_def {
         struct_size: 0, kind: 0, pose: palp_pose::IDENTITY, coupling: palp_coupling::DEFAULT,
     };
-    palp_piece_def: 2 * 4 + POINTER + 2 * 4 + 2 * 12 + 3 * 4 + 28, palp_piece_def {
+    palp_piece_def: [], 2 * 4 + POINTER + 2 * 4 + 2 * 12 + 3 * 4 + 28, palp_piece_def {
         struct_size: 0, shape: 0, points: core::ptr::null(), point_count: 0, point_stride: 0,
         a: palp_vec3::new([0.0; 3]), b: palp_vec3::new([0.0; 3]), radius_m: 0.0,
         density_kg_m3: 700.0, material: 0, local_pose: palp_pose::IDENTITY,
     };
-    palp_frame_input: 4 * 4, palp_frame_input {
+    palp_joint: [], 2 * 4 + 28 + 12 + 2 * 4 + 12 + 4 + 12 * 12, palp_joint::NONE;
+    palp_chain_def: [], 2 * 4 + POINTER + 4 + 8 + 4 + 24, palp_chain_def::NONE;
+    palp_chain_state: [], 5 * 4, palp_chain_state {
+        struct_size: 0, flags: 0, steps: 0, missed_m: 0.0, deviation_rad: 0.0,
+    };
+    palp_frame_input: [4 * 4], 5 * 4, palp_frame_input {
         struct_size: 0, dt_s: 0.0, advance_units: u32::MAX, impulse_units: u32::MAX,
+        reach_steps: u32::MAX,
     };
-    palp_frame_report: 2 * 4 + 8 + 6 * 4, palp_frame_report {
+    palp_frame_report: [], 2 * 4 + 8 + 6 * 4, palp_frame_report {
         struct_size: 0, flags: 0, frame: 0, advance_units: 0, impulse_units: 0, contacts: 0,
-        impulses: 0, lost_s: 0.0, reserved: 0,
+        impulses: 0, lost_s: 0.0, reach_steps: 0,
     };
-    palp_driven_state: 3 * 4 + 12, palp_driven_state {
+    palp_driven_state: [], 3 * 4 + 12, palp_driven_state {
         struct_size: 0, flags: 0, displacement_m: 0.0, force_n: palp_vec3::new([0.0; 3]),
     };
-    palp_penetration_result: 4 * 4 + 3 * 12 + 2 * 8 + 4 * 48, palp_penetration_result {
+    palp_penetration_result: [], 4 * 4 + 3 * 12 + 2 * 8 + 4 * 48, palp_penetration_result {
         struct_size: 0, contact_count: 0, depth_m: 0.0, distance_m: 0.0,
         normal: palp_vec3::new([0.0; 3]), point_a: palp_vec3::new([0.0; 3]),
         point_b: palp_vec3::new([0.0; 3]), piece_a: palp_piece_id::NULL,
         piece_b: palp_piece_id::NULL, contacts: [palp_contact::NONE; PALP_PAIR_CONTACTS as usize],
     };
 }
-
-// No version has been extended yet, so a difference is padding.
-const _: () = {
-    assert!(palp_capacities::BYTES_MIN == size_of::<palp_capacities>());
-    assert!(palp_body_def::BYTES_MIN == size_of::<palp_body_def>());
-    assert!(palp_piece_def::BYTES_MIN == size_of::<palp_piece_def>());
-    assert!(palp_frame_input::BYTES_MIN == size_of::<palp_frame_input>());
-    assert!(palp_frame_report::BYTES_MIN == size_of::<palp_frame_report>());
-    assert!(palp_driven_state::BYTES_MIN == size_of::<palp_driven_state>());
-    assert!(palp_penetration_result::BYTES_MIN == size_of::<palp_penetration_result>());
-};
 
 /// Refuses a pointer that is null or not aligned to its type.
 pub(crate) fn judge<T>(pointer: *const T) -> Result<(), palp_status> {
@@ -132,10 +133,11 @@ unsafe fn stated_bytes<T: Versioned>(pointer: *const T) -> Result<usize, palp_st
     judge(pointer)?;
     // SAFETY: the struct starts with its size, and the pointer was judged.
     let bytes = unsafe { pointer.cast::<u32>().read() } as usize;
-    if !(T::BYTES_MIN..=STRUCT_BYTES_MAX).contains(&bytes) {
-        return Err(PALP_BAD_STRUCT_SIZE);
+    let newer_or_equal = (size_of::<T>()..=STRUCT_BYTES_MAX).contains(&bytes);
+    if newer_or_equal || T::OLDER.contains(&bytes) {
+        return Ok(bytes);
     }
-    Ok(bytes)
+    Err(PALP_BAD_STRUCT_SIZE)
 }
 
 /// Reads a struct of any version: fields it does not have yet are [`Versioned::MISSING`], fields that
@@ -231,6 +233,48 @@ pub(crate) unsafe fn array<'a, T: Copy>(
     Ok(unsafe { core::slice::from_raw_parts(pointer, count as usize) })
 }
 
+/// The versioned structs of an array of the host outside the world's block, `stride` bytes apart, or as
+/// far as the first one says that it is long when that is 0. Each goes to `take` with its index.
+///
+/// # Safety
+/// A pointer that is neither null nor misaligned is readable for `count` structs `stride` bytes apart,
+/// each for as many bytes as its first four say.
+pub(crate) unsafe fn each_versioned<T: Versioned>(
+    pointer: *const T,
+    count: u32,
+    stride: u32,
+    block: &Range<usize>,
+    mut take: impl FnMut(usize, &T) -> Result<(), palp_status>,
+) -> Result<(), palp_status> {
+    if count == 0 {
+        return Ok(());
+    }
+    judge_outside(block, pointer.addr(), size_of::<u32>())?;
+    // SAFETY: the same contract.
+    let stated = unsafe { stated_bytes(pointer) }?;
+    let stride = if stride == 0 { stated } else { stride as usize };
+    if stride < stated || !stride.is_multiple_of(align_of::<T>()) {
+        return Err(PALP_BAD_STRIDE);
+    }
+    let bytes = stride
+        .checked_mul(count as usize)
+        .filter(|&bytes| isize::try_from(bytes).is_ok())
+        .ok_or(PALP_WRONG_COUNT)?;
+    judge_outside(block, pointer.addr(), bytes)?;
+    for index in 0..count as usize {
+        // SAFETY: readable by contract, aligned because the first is and the stride is.
+        let read = unsafe {
+            let at = pointer.byte_add(index * stride);
+            if stated_bytes(at)? > stride {
+                return Err(PALP_BAD_STRUCT_SIZE);
+            }
+            versioned(at)?
+        };
+        take(index, &read)?;
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -277,9 +321,46 @@ mod tests {
         assert_eq!(target.input.struct_size as usize, size_of::<Newer>());
     }
 
+    /// The leading fields of a struct, as an older header declares it.
+    fn older<T: Versioned>(bytes: usize, fields: &[u32]) -> Result<T, palp_status> {
+        let mut words = [0xdead_beef; 16];
+        words[0] = bytes as u32;
+        words[1..=fields.len()].copy_from_slice(fields);
+        // SAFETY: the array is longer than any version of the structs asked for, and aligned like them.
+        unsafe { versioned(words.as_ptr().cast::<T>()) }
+    }
+
+    #[test]
+    fn an_input_without_steps_for_chains_limits_none() {
+        let read: palp_frame_input = older(16, &[0.25f32.to_bits(), 7, 8]).unwrap();
+        assert_eq!((read.advance_units, read.impulse_units), (7, 8));
+        assert_eq!(read.reach_steps, u32::MAX);
+    }
+
+    #[test]
+    fn capacities_without_chains_have_none() {
+        let read: palp_capacities = older(28, &[1, 2, 3, 4, 5, 6]).unwrap();
+        assert_eq!((read.bodies, read.materials), (1, 6));
+        assert_eq!((read.chains, read.joints), (0, 0));
+    }
+
+    #[test]
+    fn capacities_without_chains_are_not_written_beyond_their_end() {
+        let mut words = [28, 0, 0, 0, 0, 0, 0, 77, 78];
+        let pointer = words.as_mut_ptr().cast::<palp_capacities>();
+        let result = palp_capacities::new(&palpable_kernel::memory::Capacities::ROOM);
+        // SAFETY: the array is as long as the newest version, and aligned like it.
+        unsafe {
+            let stated = judge_versioned(pointer).unwrap();
+            put_versioned(pointer, stated, &result);
+        }
+        assert_eq!(words[1], result.bodies);
+        assert_eq!((words[0], words[7], words[8]), (28, 77, 78));
+    }
+
     #[test]
     fn sizes_of_no_version_are_refused() {
-        for bytes in [0, 3, 4, 15, 4096, u32::MAX] {
+        for bytes in [0, 3, 4, 15, 17, 19, 4096, u32::MAX] {
             let mut wrong = newer(0);
             wrong.input.struct_size = bytes;
             assert_eq!(read(&wrong), Err(PALP_BAD_STRUCT_SIZE));

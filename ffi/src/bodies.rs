@@ -73,7 +73,8 @@ pub unsafe extern "C" fn palp_body_add(
     })
 }
 
-/// Removes a body and its pieces. Costs one pass over all pieces' vertices for each of its pieces.
+/// Removes a body, its pieces and its chains. Costs one pass over all pieces' vertices for each of its
+/// pieces.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palp_body_remove(
     world: *mut palp_world,
@@ -201,7 +202,7 @@ pub unsafe extern "C" fn palp_body_set_target(
 }
 
 /// Tells where a driven body's pieces are to be in its frame, in the order they were added: the
-/// fingers of a tracked hand. They move there over the frame, as far as contact allows. Refused as a
+/// fingers of a tracked hand. A piece on a link of a chain is to be there in the link's frame. They move there over the frame, as far as contact allows. Refused as a
 /// whole when `count` is not the number of pieces or any pose is bad.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palp_body_set_piece_targets(

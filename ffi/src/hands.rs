@@ -87,7 +87,8 @@ unsafe fn known_joints(
 
 /// Tells where a hand tracker sees the 26 joints of a hand that is a driven body: the wrist becomes the
 /// body's target, and each piece's target in the body's frame is its joint seen from the wrist, then
-/// its offset. Instead of `palp_body_set_target` and `palp_body_set_piece_targets`; call it every frame
+/// its offset. For hands without chains: a piece on a link would take that for its pose in the link's
+/// frame. Instead of `palp_body_set_target` and `palp_body_set_piece_targets`; call it every frame
 /// in which `XrHandJointLocationsEXT.isActive` is true.
 ///
 /// `locations` is an `XrHandJointLocationEXT[26]` as `xrLocateHandJointsEXT` filled it, of any

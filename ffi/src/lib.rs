@@ -14,6 +14,7 @@
 mod arguments;
 mod block;
 mod bodies;
+mod chains;
 mod contacts;
 mod frame;
 mod hands;
@@ -21,6 +22,7 @@ mod materials;
 mod panic;
 mod pieces;
 mod query;
+mod skeleton;
 mod state;
 mod status;
 mod types;

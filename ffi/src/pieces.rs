@@ -2,6 +2,7 @@
 
 use palpable_kernel::limits::PIECE_VERTICES_MAX;
 use palpable_kernel::state::materials::Material;
+use palpable_kernel::state::pieces::Groups;
 use palpable_kernel::world::{AddPieceError, PieceDef, Shape};
 
 use crate::arguments::{judge, judge_optional, put, versioned};
@@ -18,7 +19,7 @@ use crate::types::{
     palp_piece_def, palp_piece_id, palp_pose, palp_world,
 };
 
-const fn add_status(error: AddPieceError) -> palp_status {
+pub(crate) const fn add_status(error: AddPieceError) -> palp_status {
     match error {
         AddPieceError::StaleBody => PALP_STALE_BODY,
         AddPieceError::FullPieces => PALP_FULL_PIECES,
@@ -99,6 +100,24 @@ fn piece_def<'a>(def: &palp_piece_def, shape: Shape<'a>) -> PieceDef<'a> {
     }
 }
 
+/// Reads a definition and lends it to a call, a hull's points gathered on the stack.
+///
+/// # Safety
+/// The header's rules for pointers.
+pub(crate) unsafe fn with_piece<R>(
+    def: *const palp_piece_def,
+    call: impl FnOnce(&PieceDef) -> Result<R, palp_status>,
+) -> Result<R, palp_status> {
+    // SAFETY: the caller vouches.
+    let def = unsafe { versioned(def) }?;
+    let points = match def.shape {
+        // SAFETY: the caller vouches.
+        PALP_SHAPE_HULL => Some(unsafe { Points::gather(&def) }?),
+        _ => None,
+    };
+    call(&piece_def(&def, shape(&def, &points)?))
+}
+
 /// Adds a piece to a body, behind those it has. Builds its hull on the stack.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palp_piece_add(
@@ -111,14 +130,10 @@ pub unsafe extern "C" fn palp_piece_add(
         judge(piece)?;
         // SAFETY: the header's rules for pointers and threads.
         unsafe {
-            let def = versioned(def)?;
-            let points = match def.shape {
-                PALP_SHAPE_HULL => Some(Points::gather(&def)?),
-                _ => None,
-            };
-            let def = piece_def(&def, shape(&def, &points)?);
-            let id = Block::of(world)?
-                .change(|world| world.add_piece(body.to_kernel(), &def).map_err(add_status))?;
+            let id = with_piece(def, |def| {
+                Block::of(world)?
+                    .change(|world| world.add_piece(body.to_kernel(), def).map_err(add_status))
+            })?;
             put(piece, palp_piece_id::new(id));
         }
         Ok(PALP_OK)
@@ -137,6 +152,30 @@ pub unsafe extern "C" fn palp_piece_remove(
             Block::of(world)?.change(|world| {
                 world
                     .remove_piece(piece.to_kernel())
+                    .map_err(|_| PALP_STALE_PIECE)
+            })?;
+        }
+        Ok(PALP_OK)
+    })
+}
+
+/// Says which driven pieces pass through each other: of pieces of two driven bodies, or of two chains of
+/// one, those pass of which one belongs to a group, a bit of `member_of`, that the other passes through,
+/// a bit of `passes`. Fixed and dynamic bodies stop every piece. A new piece has zero for both.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palp_piece_set_groups(
+    world: *mut palp_world,
+    piece: palp_piece_id,
+    member_of: u32,
+    passes: u32,
+) -> palp_status {
+    guarded(|| {
+        let groups = Groups { member_of, passes };
+        // SAFETY: the header's rules for pointers and threads.
+        unsafe {
+            Block::of(world)?.change(|world| {
+                world
+                    .set_groups(piece.to_kernel(), groups)
                     .map_err(|_| PALP_STALE_PIECE)
             })?;
         }

@@ -28,6 +28,8 @@ pub const PALP_JOINTS_IGNORED: palp_status = 7;
 pub const PALP_TRACKING_LOST: palp_status = 8;
 /// Answered for a part of the pairs of pieces in the way: the depth may be too small to part the bodies.
 pub const PALP_PAIRS_LEFT_OUT: palp_status = 9;
+/// Stepped; chains in contact got fewer steps than they wanted: raise `palp_frame_input.reach_steps`.
+pub const PALP_CUT_REACH: palp_status = 10;
 
 /// The library failed inside. The world may be half changed: load a saved state or create it anew.
 pub const PALP_PANICKED: palp_status = -1;
@@ -57,9 +59,10 @@ pub const PALP_STALE_BODY: palp_status = -11;
 pub const PALP_STALE_PIECE: palp_status = -12;
 /// The body is of a kind that this cannot be done to.
 pub const PALP_WRONG_KIND: palp_status = -13;
-/// A pose is not finite, farther than 10 km from the origin, or without orientation.
+/// A pose is not finite, farther than 1024 m from the origin, or without orientation.
 pub const PALP_BAD_POSE: palp_status = -14;
-/// There are not as many entries as the body has pieces.
+/// There are not as many entries as the body has pieces, or as the chain has hinges or joints; or a
+/// chain is to have no joint, or more than `PALP_CHAIN_HINGES_MAX` hinges.
 pub const PALP_WRONG_COUNT: palp_status = -15;
 /// The coupling's mass or divergence is not above zero, another of its numbers is negative, or one
 /// is not finite.
@@ -86,7 +89,7 @@ pub const PALP_BAD_TIME_STEP: palp_status = -25;
 pub const PALP_BAD_STRIDE: palp_status = -26;
 /// The buffer is shorter than `palp_state_bytes` says.
 pub const PALP_BUFFER_TOO_SMALL: palp_status = -27;
-/// A piece names a joint that a hand does not have.
+/// A piece names a joint that a hand, or a hinge that the chain, does not have.
 pub const PALP_UNKNOWN_JOINT: palp_status = -28;
 /// An array or buffer of the host reaches into the world's block.
 pub const PALP_INSIDE_WORLD: palp_status = -29;
@@ -102,6 +105,37 @@ pub const PALP_FULL_MATERIALS: palp_status = -33;
 pub const PALP_BAD_VELOCITY: palp_status = -34;
 /// Two bodies are needed, and both ids name the same one.
 pub const PALP_SAME_BODY: palp_status = -35;
+/// The id names no chain of this world.
+pub const PALP_STALE_CHAIN: palp_status = -36;
+/// No room for the chain: raise `palp_capacities.chains`.
+pub const PALP_FULL_CHAINS: palp_status = -37;
+/// No room for the chain's joints: raise `palp_capacities.joints`.
+pub const PALP_FULL_JOINTS: palp_status = -38;
+/// The body has `PALP_CHAINS_PER_BODY_MAX` chains.
+pub const PALP_TOO_MANY_CHAINS: palp_status = -39;
+/// A chain is to hang on what is no chain of the same body, or on a hinge that it does not have.
+pub const PALP_BAD_BASE: palp_status = -40;
+/// The axis of a hinge has no direction.
+pub const PALP_BAD_AXIS: palp_status = -41;
+/// A range of angles is not finite, reaches beyond a full turn, or ends below its start.
+pub const PALP_BAD_RANGE: palp_status = -42;
+/// A chain's options name no method or an unknown flag, its attraction is not 0 to 1e6 s, or its tip is
+/// not finite.
+pub const PALP_BAD_OPTIONS: palp_status = -43;
+/// Another chain hangs on this one.
+pub const PALP_CHAIN_IN_USE: palp_status = -44;
+/// A reach cone has fewer than 3 corners.
+pub const PALP_CONE_TOO_FEW_CORNERS: palp_status = -45;
+/// A reach cone has more than `PALP_CONE_CORNERS_MAX` corners.
+pub const PALP_CONE_TOO_MANY_CORNERS: palp_status = -46;
+/// A corner of a reach cone, or the point that sees it, is zero or not finite.
+pub const PALP_CONE_NO_DIRECTION: palp_status = -47;
+/// Neighbouring corners of a reach cone are less than a milliradian apart, or less from opposite.
+pub const PALP_CONE_BAD_EDGE: palp_status = -48;
+/// The visible point of a reach cone does not see every edge from inside, by a milliradian at least.
+pub const PALP_CONE_NOT_VISIBLE: palp_status = -49;
+/// The corners of a reach cone go around its visible point more than once.
+pub const PALP_CONE_BAD_WINDING: palp_status = -50;
 
 const TEXTS: &[(palp_status, &CStr)] = &[
     (PALP_OK, c"done"),
@@ -174,7 +208,7 @@ const TEXTS: &[(palp_status, &CStr)] = &[
     ),
     (
         PALP_WRONG_COUNT,
-        c"there are not as many entries as the body has pieces",
+        c"there are not as many entries as pieces, hinges or joints, or a chain is too short or too long",
     ),
     (PALP_BAD_COUPLING, c"the coupling cannot be integrated"),
     (PALP_BAD_NUMBER, c"a number is outside its range"),
@@ -202,7 +236,7 @@ const TEXTS: &[(palp_status, &CStr)] = &[
     ),
     (
         PALP_UNKNOWN_JOINT,
-        c"a piece names a joint that a hand does not have",
+        c"a piece names a joint or a hinge that is not there",
     ),
     (
         PALP_INSIDE_WORLD,
@@ -230,6 +264,61 @@ const TEXTS: &[(palp_status, &CStr)] = &[
         c"pairs of pieces were left out: the depth may be too small",
     ),
     (PALP_SAME_BODY, c"both ids name the same body"),
+    (
+        PALP_CUT_REACH,
+        c"chains got fewer steps than they wanted: raise palp_frame_input.reach_steps",
+    ),
+    (PALP_STALE_CHAIN, c"the id names no chain of this world"),
+    (
+        PALP_FULL_CHAINS,
+        c"no room for the chain: raise palp_capacities.chains",
+    ),
+    (
+        PALP_FULL_JOINTS,
+        c"no room for the chain's joints: raise palp_capacities.joints",
+    ),
+    (
+        PALP_TOO_MANY_CHAINS,
+        c"the body has PALP_CHAINS_PER_BODY_MAX chains",
+    ),
+    (
+        PALP_BAD_BASE,
+        c"the base is no chain of the same body, or has no such hinge",
+    ),
+    (PALP_BAD_AXIS, c"the axis of a hinge has no direction"),
+    (
+        PALP_BAD_RANGE,
+        c"a range of angles is not finite, too wide, or ends below its start",
+    ),
+    (
+        PALP_BAD_OPTIONS,
+        c"a chain's method, flags, attraction or tip are outside their ranges",
+    ),
+    (PALP_CHAIN_IN_USE, c"another chain hangs on this one"),
+    (
+        PALP_CONE_TOO_FEW_CORNERS,
+        c"a reach cone has fewer than 3 corners",
+    ),
+    (
+        PALP_CONE_TOO_MANY_CORNERS,
+        c"a reach cone has more than PALP_CONE_CORNERS_MAX corners",
+    ),
+    (
+        PALP_CONE_NO_DIRECTION,
+        c"a corner or the visible point of a reach cone has no direction",
+    ),
+    (
+        PALP_CONE_BAD_EDGE,
+        c"neighbouring corners of a reach cone are equal or opposite",
+    ),
+    (
+        PALP_CONE_NOT_VISIBLE,
+        c"the visible point of a reach cone does not see every edge from inside",
+    ),
+    (
+        PALP_CONE_BAD_WINDING,
+        c"the corners of a reach cone go around its visible point more than once",
+    ),
 ];
 
 fn text(status: palp_status) -> &'static CStr {

@@ -100,6 +100,10 @@ pub struct palp_capacities {
     pub contacts: u32,
     /// Materials that the host adds.
     pub materials: u32,
+    /// Chains of joints of all bodies.
+    pub chains: u32,
+    /// Hinges of all chains; a ball joint is three.
+    pub joints: u32,
 }
 
 /// Never moves; only `palp_body_place` moves it.
@@ -205,6 +209,9 @@ pub struct palp_frame_input {
     pub advance_units: u32,
     /// Work that may be spent on loose bodies, in the same units.
     pub impulse_units: u32,
+    /// Steps that may be spent on chains that touch something: a sweep of cyclic descent, or a step of
+    /// least deviation. A chain that gets none goes as far as contact lets its joints follow the trackers.
+    pub reach_steps: u32,
 }
 
 /// The time step was not a positive number: nothing moved.
@@ -221,6 +228,8 @@ pub const PALP_FRAME_FULL_PAIRS: u32 = 16;
 pub const PALP_FRAME_FULL_CONTACTS: u32 = 32;
 /// A driven body overlaps a fixed one where the host put it.
 pub const PALP_FRAME_OVERLAP: u32 = 64;
+/// The steps for chains were used up: raise `palp_frame_input.reach_steps`.
+pub const PALP_FRAME_CUT_REACH: u32 = 128;
 
 /// What a frame did. Start from `PALP_FRAME_REPORT_INIT`.
 #[repr(C)]
@@ -242,8 +251,8 @@ pub struct palp_frame_report {
     pub impulses: u32,
     /// Time by which loose bodies were stopped before the end of the frame, at most, in seconds.
     pub lost_s: f32,
-    /// Zero.
-    pub reserved: u32,
+    /// Steps spent on chains; none while nothing touches one.
+    pub reach_steps: u32,
 }
 
 /// Contact bent or ended the body's way.
@@ -337,6 +346,8 @@ impl palp_capacities {
             pairs: from.pairs,
             contacts: from.contacts,
             materials: from.materials,
+            chains: from.chains,
+            joints: from.joints,
         }
     }
 
@@ -348,6 +359,8 @@ impl palp_capacities {
             pairs: self.pairs,
             contacts: self.contacts,
             materials: self.materials,
+            chains: self.chains,
+            joints: self.joints,
         }
     }
 }
@@ -414,6 +427,7 @@ impl palp_frame_input {
             budget: Budget {
                 advance_units: self.advance_units,
                 impulse_units: self.impulse_units,
+                reach_steps: self.reach_steps,
             },
         }
     }
@@ -430,7 +444,7 @@ impl palp_frame_report {
             contacts: from.contacts,
             impulses: from.impulses,
             lost_s: from.lost_s,
-            reserved: 0,
+            reach_steps: from.reach_steps,
         }
     }
 }
@@ -556,6 +570,7 @@ const _: () = {
     assert!(PALP_FRAME_FULL_PAIRS == FrameReport::FULL_PAIRS);
     assert!(PALP_FRAME_FULL_CONTACTS == FrameReport::FULL_CONTACTS);
     assert!(PALP_FRAME_OVERLAP == FrameReport::OVERLAP);
+    assert!(PALP_FRAME_CUT_REACH == FrameReport::REACH_CUT);
     assert!(PALP_DRIVEN_TOUCHING == DrivenReport::TOUCHING);
     assert!(PALP_DRIVEN_HELD == DrivenReport::HELD);
     assert!(PALP_DRIVEN_DETACHED == DrivenReport::DETACHED);

@@ -23,7 +23,7 @@ pub extern "C" fn palp_version() -> *const c_char {
     VERSION.as_ptr().cast()
 }
 
-/// Room for one hand of 18 parts, a furnished room and a few loose objects: what
+/// Room for an avatar or two hands with fingers, a furnished room and a few loose objects: what
 /// `PALP_CAPACITIES_ROOM` is at compile time. `capacities->struct_size` is set by the host.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palp_capacities_room(capacities: *mut palp_capacities) -> palp_status {

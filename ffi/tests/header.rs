@@ -10,6 +10,7 @@ use std::{env, fs};
 use common::{Compiler, Run, scratch};
 use palpable_kernel::memory::Capacities;
 use palpable_kernel::state::bodies::Coupling;
+use palpable_kernel::state::chains::ChainOptions;
 use palpable_kernel::world::{PieceDef, Shape};
 
 fn package() -> &'static Path {
@@ -17,13 +18,15 @@ fn package() -> &'static Path {
 }
 
 /// The sources of exports, in the order of the header.
-const SOURCES: [&str; 11] = [
+const SOURCES: [&str; 13] = [
     "status.rs",
     "types.rs",
+    "skeleton.rs",
     "world.rs",
     "materials.rs",
     "bodies.rs",
     "pieces.rs",
+    "chains.rs",
     "hands.rs",
     "frame.rs",
     "contacts.rs",
@@ -51,6 +54,8 @@ fn with_defaults(text: &str) -> String {
         room.pairs,
         room.contacts,
         room.materials,
+        room.chains,
+        room.joints,
     ];
     let spring = [
         literal(coupling.mass_kg),
@@ -60,9 +65,18 @@ fn with_defaults(text: &str) -> String {
         coupling.snap.to_string(),
         literal(coupling.grace_s),
     ];
+    let options = ChainOptions::DEFAULT;
+    let [x, y, z] = options.tip.map(literal);
+    let chain = [
+        options.method.to_string(),
+        options.flags.to_string(),
+        literal(options.attraction_s),
+        format!("{{ {x}, {y}, {z} }}"),
+    ];
     let density = PieceDef::new(Shape::Point, 1.0).density_kg_m3;
     text.replace("@ROOM@", &numbers.map(|n| n.to_string()).join(", "))
         .replace("@COUPLING@", &spring.join(", "))
+        .replace("@CHAIN@", &chain.join(", "))
         .replace("@DENSITY@", &literal(density))
 }
 
@@ -133,6 +147,10 @@ int use_all(void) {
     palp_coupling coupling = PALP_COUPLING_DEFAULT;
     palp_body_def body = PALP_BODY_DEF_INIT;
     palp_piece_def piece = PALP_PIECE_DEF_INIT;
+    palp_joint joint = PALP_JOINT_INIT;
+    palp_chain_options options = PALP_CHAIN_OPTIONS_DEFAULT;
+    palp_chain_def chain = PALP_CHAIN_DEF_INIT;
+    palp_chain_state bent = PALP_CHAIN_STATE_INIT;
     palp_frame_input input = PALP_FRAME_INPUT_INIT;
     palp_frame_report report = PALP_FRAME_REPORT_INIT;
     palp_driven_state state = PALP_DRIVEN_STATE_INIT;
@@ -142,6 +160,7 @@ int use_all(void) {
     void *memory = NULL;
     return (int)(pose.position.x + coupling.grace_s) + (int)(body.kind + piece.shape) +
            (int)(input.struct_size + report.flags + state.flags + id.index1 + result.contact_count) +
+           (int)(joint.kind + options.method + chain.base.index1 + bent.flags) +
            palp_world_create(memory, 0, &room, &world);
 }
 ";

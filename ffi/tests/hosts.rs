@@ -1,5 +1,7 @@
 //! Programs in other languages run the library, and come to the same state as the same calls in Rust.
 
+#[path = "common/arm.rs"]
+mod arm;
 mod common;
 #[path = "common/scene.rs"]
 mod scene;
@@ -38,23 +40,52 @@ fn a_push_in_cpp_linked_either_way() {
 }
 
 #[test]
-fn the_table_in_luajit() {
-    if !is_installed("luajit", "-v") {
-        return skip("luajit");
-    }
+fn the_arm_in_c_linked_either_way() {
+    let expected = hash_line(arm::arm());
+    let linked = library().link_static(Compiler::C99, "c/arm.c");
+    assert_eq!(Command::new(linked).run_clean(), expected);
+    let linked = library().link_shared(Compiler::C99, "c/arm.c");
+    assert_eq!(Command::new(linked).run_clean(), expected);
+}
+
+#[test]
+fn an_elbow_in_cpp() {
+    let linked = library().link_static(Compiler::Cpp11, "cpp/elbow.cpp");
+    assert_eq!(Command::new(linked).run_clean(), hash_line(arm::elbow()));
+}
+
+/// What a program of `hosts/luajit` prints.
+fn printed_by_luajit(program: &str) -> String {
     let header = package().join("include/palpable.h");
     let text = Compiler::C99
         .command()
         .args(["-E", "-P"])
         .arg(&header)
         .run_clean();
-    let declarations = scratch("palpable_preprocessed.h");
+    let declarations = scratch(&format!("{program}_preprocessed.h"));
     fs::write(&declarations, only_ours(&text)).unwrap();
-    let printed = Command::new("luajit")
-        .arg(package().join("hosts/luajit/table.lua"))
+    Command::new("luajit")
+        .arg(package().join("hosts/luajit").join(program))
         .args([library().shared(), declarations, header])
-        .run_clean();
+        .run_clean()
+}
+
+#[test]
+fn the_table_in_luajit() {
+    if !is_installed("luajit", "-v") {
+        return skip("luajit");
+    }
+    let printed = printed_by_luajit("table.lua");
     assert_eq!(printed, hash_line(scene::table()));
+}
+
+#[test]
+fn an_elbow_in_luajit() {
+    if !is_installed("luajit", "-v") {
+        return skip("luajit");
+    }
+    let printed = printed_by_luajit("elbow.lua");
+    assert_eq!(printed, hash_line(arm::elbow()));
 }
 
 /// The header's own declarations, without those of the C library before them.

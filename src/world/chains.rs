@@ -561,7 +561,7 @@ fn judge_joints(defs: &[JointDef]) -> Result<usize, AddChainError> {
         if rest.normalised(WORLD_REACH_M).is_none() {
             return Err(AddChainError::BadPose);
         }
-        if math::direction(axis).is_none() {
+        if !axis.is_finite() || math::direction(axis).is_none() {
             return Err(AddChainError::BadAxis);
         }
         let range = -turn..=turn;

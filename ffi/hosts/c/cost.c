@@ -31,6 +31,11 @@ int main(void) {
     uint32_t count;
     uint64_t hash;
     palp_frame_input input = PALP_FRAME_INPUT_INIT;
+    const palp_joint joint = PALP_JOINT_INIT;
+    palp_chain_def chain = PALP_CHAIN_DEF_INIT;
+    palp_chain_id chain_id;
+    const float angle = 0.5f;
+    const float *angles;
     int failed = memory == NULL;
     failed |= palp_world_create(memory + PALP_BLOCK_ALIGNMENT - (size_t)memory % PALP_BLOCK_ALIGNMENT,
                                 bytes, &room, &world);
@@ -45,6 +50,12 @@ int main(void) {
     COST(palp_contacts(world, &contacts, &count));
     COST(palp_body_set_target(world, id, &pose));
     COST(palp_frame_step(world, &input, NULL));
+    chain.joints = &joint;
+    chain.joint_count = 1;
+    failed |= palp_chain_add(world, id, &chain, &chain_id);
+    COST(palp_chain_set_angles(world, chain_id, &angle, 1));
+    COST(palp_chain_angles(world, chain_id, &angles, &count));
+    COST(palp_chain_link_poses(world, chain_id, &poses, &count));
     {
         const clock_t start = clock();
         failed |= palp_state_hash(world, &hash);

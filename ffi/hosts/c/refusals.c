@@ -67,6 +67,8 @@ static palp_capacities small_room(void) {
     room.pairs = 16;
     room.contacts = 16;
     room.materials = 1;
+    room.chains = PALP_CHAINS_PER_BODY_MAX + 2;
+    room.joints = PALP_CHAINS_PER_BODY_MAX + 4;
     return room;
 }
 
@@ -464,6 +466,313 @@ static void hands(void) {
     REFUSED(PALP_TRACKING_LOST, see(1, &tip, NULL));
 }
 
+#define ANGLES 4
+
+static const palp_chain_id null_chain = {0, 0};
+static palp_chain_id arm, gone_chain;
+
+/* A ball with a reach cone, and a hinge. */
+static void good_joints_of_a_chain(palp_joint made[2]) {
+    const palp_joint joint = PALP_JOINT_INIT;
+    const palp_vec3 corners[4] = {
+        {1.0f, 0.0f, 1.0f}, {0.0f, 1.0f, 1.0f}, {-1.0f, 0.0f, 1.0f}, {0.0f, -1.0f, 1.0f}};
+    made[0] = made[1] = joint;
+    made[0].kind = PALP_JOINT_BALL;
+    made[0].cone_corner_count = 4;
+    memcpy(made[0].cone_corners, corners, sizeof corners);
+    made[1].rest_pose.position.z = 0.3f;
+    made[1].low_rad = -1.0f;
+    made[1].high_rad = 2.0f;
+}
+
+static void cones(void) {
+    palp_joint made[2];
+    palp_vec3 corners[PALP_CONE_CORNERS_MAX + 1], visible;
+    uint32_t i;
+    good_joints_of_a_chain(made);
+    visible = made[0].cone_visible;
+    memcpy(corners, made[0].cone_corners, sizeof made[0].cone_corners);
+    FINE(palp_cone_check(&visible, corners, 4));
+    GIVES(PALP_NULL, palp_cone_check(NULL, corners, 4));
+    GIVES(PALP_NULL, palp_cone_check(&visible, NULL, 4));
+    GIVES(PALP_MISALIGNED, palp_cone_check(&visible, CROOKED(const palp_vec3 *, corners), 4));
+    GIVES(PALP_MISALIGNED, palp_cone_check(CROOKED(const palp_vec3 *, &visible), corners, 4));
+    GIVES(PALP_CONE_TOO_FEW_CORNERS, palp_cone_check(&visible, NULL, 0));
+    GIVES(PALP_CONE_TOO_FEW_CORNERS, palp_cone_check(&visible, corners, 2));
+    GIVES(PALP_CONE_TOO_MANY_CORNERS,
+          palp_cone_check(&visible, corners, PALP_CONE_CORNERS_MAX + 1));
+    GIVES(PALP_CONE_TOO_MANY_CORNERS, palp_cone_check(&visible, corners, UINT32_MAX));
+    corners[1].y = NAN;
+    GIVES(PALP_CONE_NO_DIRECTION, palp_cone_check(&visible, corners, 4));
+    corners[1] = corners[0];
+    GIVES(PALP_CONE_BAD_EDGE, palp_cone_check(&visible, corners, 4));
+    corners[1] = made[0].cone_corners[1];
+    visible.x = 2.0f;
+    GIVES(PALP_CONE_NOT_VISIBLE, palp_cone_check(&visible, corners, 4));
+    visible = made[0].cone_visible;
+    for (i = 0; i < 8; i++) {
+        corners[i] = made[0].cone_corners[i % 4];
+    }
+    GIVES(PALP_CONE_BAD_WINDING, palp_cone_check(&visible, corners, 8));
+}
+
+static void adding_chains(void) {
+    palp_joint made[PALP_CHAIN_HINGES_MAX + 1], good[2];
+    palp_chain_def def = PALP_CHAIN_DEF_INIT, wrong = PALP_CHAIN_DEF_INIT;
+    palp_chain_id id = null_chain, other;
+    uint32_t i;
+    good_joints_of_a_chain(good);
+    memcpy(made, good, sizeof good);
+    def.joints = made;
+    def.joint_count = 2;
+    REFUSED(PALP_NULL, palp_chain_add(NULL, hand, &def, &id));
+    REFUSED(PALP_NULL, palp_chain_add(world, hand, NULL, &id));
+    REFUSED(PALP_NULL, palp_chain_add(world, hand, &def, NULL));
+    REFUSED(PALP_MISALIGNED, palp_chain_add(world, hand, CROOKED(palp_chain_def *, &def), &id));
+    REFUSED(PALP_MISALIGNED, palp_chain_add(world, hand, &def, CROOKED(palp_chain_id *, &id)));
+    REFUSED(PALP_STALE_BODY, palp_chain_add(world, null_body, &def, &id));
+    REFUSED(PALP_WRONG_KIND, palp_chain_add(world, fixed, &def, &id));
+    REFUSED(PALP_WRONG_KIND, palp_chain_add(world, loose, &def, &id));
+#define WRONG_CHAIN(status, change)                                                                \
+    wrong = def;                                                                                   \
+    change;                                                                                        \
+    REFUSED(status, palp_chain_add(world, hand, &wrong, &id))
+    WRONG_CHAIN(PALP_BAD_STRUCT_SIZE, wrong.struct_size--);
+    WRONG_CHAIN(PALP_BAD_STRUCT_SIZE, wrong.struct_size = 0);
+    WRONG_CHAIN(PALP_WRONG_COUNT, wrong.joint_count = 0);
+    WRONG_CHAIN(PALP_WRONG_COUNT, wrong.joint_count = PALP_CHAIN_HINGES_MAX + 1);
+    WRONG_CHAIN(PALP_WRONG_COUNT, wrong.joint_count = UINT32_MAX);
+    WRONG_CHAIN(PALP_NULL, wrong.joints = NULL);
+    WRONG_CHAIN(PALP_MISALIGNED, wrong.joints = CROOKED(const palp_joint *, made));
+    WRONG_CHAIN(PALP_BAD_STRIDE, wrong.joint_stride = sizeof(palp_joint) - 4);
+    WRONG_CHAIN(PALP_BAD_STRIDE, wrong.joint_stride = sizeof(palp_joint) + 2);
+    WRONG_CHAIN(PALP_BAD_BASE, wrong.base.index1 = 1);
+    WRONG_CHAIN(PALP_BAD_BASE, wrong.base.generation = 1);
+    WRONG_CHAIN(PALP_BAD_OPTIONS, wrong.options.method = 2);
+    WRONG_CHAIN(PALP_BAD_OPTIONS, wrong.options.flags = 16);
+    WRONG_CHAIN(PALP_BAD_OPTIONS, wrong.options.attraction_s = -1.0f);
+    WRONG_CHAIN(PALP_BAD_OPTIONS, wrong.options.tip.z = INFINITY);
+#define WRONG_JOINT(status, number, change)                                                        \
+    memcpy(made, good, sizeof good);                                                               \
+    made[number].change;                                                                           \
+    REFUSED(status, palp_chain_add(world, hand, &def, &id))
+    WRONG_JOINT(PALP_BAD_STRUCT_SIZE, 0, struct_size = 0);
+    WRONG_JOINT(PALP_BAD_STRUCT_SIZE, 1, struct_size--);
+    WRONG_JOINT(PALP_BAD_STRUCT_SIZE, 1, struct_size += 4);
+    WRONG_JOINT(PALP_BAD_STRUCT_SIZE, 1, struct_size = UINT32_MAX);
+    WRONG_JOINT(PALP_BAD_ENUM, 1, kind = 0);
+    WRONG_JOINT(PALP_BAD_ENUM, 0, kind = 3);
+    WRONG_JOINT(PALP_BAD_POSE, 0, rest_pose.position.x = NAN);
+    WRONG_JOINT(PALP_BAD_POSE, 1, rest_pose.orientation.w = 0.0f);
+    WRONG_JOINT(PALP_BAD_AXIS, 1, axis.x = 0.0f);
+    WRONG_JOINT(PALP_BAD_AXIS, 1, axis.y = NAN);
+    WRONG_JOINT(PALP_BAD_RANGE, 1, low_rad = NAN);
+    WRONG_JOINT(PALP_BAD_RANGE, 1, low_rad = 2.5f);
+    WRONG_JOINT(PALP_BAD_RANGE, 0, high_rad = 7.0f);
+    WRONG_JOINT(PALP_CONE_TOO_FEW_CORNERS, 0, cone_corner_count = 2);
+    WRONG_JOINT(PALP_CONE_TOO_MANY_CORNERS, 0, cone_corner_count = PALP_CONE_CORNERS_MAX + 1);
+    WRONG_JOINT(PALP_CONE_TOO_MANY_CORNERS, 0, cone_corner_count = UINT32_MAX);
+    WRONG_JOINT(PALP_CONE_NO_DIRECTION, 0, cone_visible.x = NAN);
+    WRONG_JOINT(PALP_CONE_NO_DIRECTION, 0, cone_corners[3].y = 0.0f; made[0].cone_corners[3].z = 0.0f);
+    WRONG_JOINT(PALP_CONE_NOT_VISIBLE, 0, cone_visible.x = 2.0f);
+    WRONG_CHAIN(PALP_INSIDE_WORLD, wrong.joints = (const palp_joint *)(void *)memory);
+    TRUE(id.index1 == 0);
+    memcpy(made, good, sizeof good);
+    FINE(palp_chain_add(world, hand, &def, &arm));
+    WRONG_CHAIN(PALP_BAD_BASE, (wrong.base = arm, wrong.base_hinge = ANGLES));
+    WRONG_CHAIN(PALP_BAD_BASE, (wrong.base = arm, wrong.base_hinge = UINT32_MAX));
+    for (i = 0; i < PALP_CHAIN_HINGES_MAX + 1; i++) {
+        made[i] = good[1];
+    }
+    made[0] = good[0];
+    WRONG_CHAIN(PALP_WRONG_COUNT, wrong.joint_count = PALP_CHAIN_HINGES_MAX - 1);
+    def.base = arm;
+    def.base_hinge = ANGLES - 1;
+    FINE(palp_chain_add(world, hand, &def, &other));
+    REFUSED(PALP_CHAIN_IN_USE, palp_chain_remove(world, arm));
+    FINE(palp_chain_remove(world, other));
+    gone_chain = other;
+    REFUSED(PALP_STALE_CHAIN, palp_chain_remove(world, gone_chain));
+    REFUSED(PALP_STALE_CHAIN, palp_chain_remove(world, null_chain));
+    REFUSED(PALP_NULL, palp_chain_remove(NULL, arm));
+}
+
+static void full_chains(void) {
+    palp_joint made[PALP_CHAIN_HINGES_MAX];
+    const palp_joint joint = PALP_JOINT_INIT;
+    palp_chain_def def = PALP_CHAIN_DEF_INIT;
+    palp_chain_id ids[PALP_CHAINS_PER_BODY_MAX], id;
+    palp_body_def body_def = PALP_BODY_DEF_INIT;
+    palp_body_id body;
+    uint32_t i;
+    for (i = 0; i < PALP_CHAIN_HINGES_MAX; i++) {
+        made[i] = joint;
+    }
+    def.joints = made;
+    body_def.kind = PALP_KIND_DRIVEN;
+    FINE(palp_body_add(world, &body_def, &body));
+    def.joint_count = PALP_CHAIN_HINGES_MAX;
+    FINE(palp_chain_add(world, body, &def, &ids[0]));
+    FINE(palp_chain_add(world, body, &def, &ids[1]));
+    REFUSED(PALP_FULL_JOINTS, palp_chain_add(world, body, &def, &id));
+    FINE(palp_chain_remove(world, ids[0]));
+    FINE(palp_chain_remove(world, ids[1]));
+    def.joint_count = 1;
+    for (i = 0; i < PALP_CHAINS_PER_BODY_MAX; i++) {
+        FINE(palp_chain_add(world, body, &def, &ids[i]));
+    }
+    /* The arm has four of the joints. */
+    REFUSED(PALP_FULL_JOINTS, palp_chain_add(world, body, &def, &id));
+    FINE(palp_chain_remove(world, arm));
+    gone_chain = arm;
+    REFUSED(PALP_TOO_MANY_CHAINS, palp_chain_add(world, body, &def, &id));
+    FINE(palp_chain_add(world, hand, &def, &id));
+    FINE(palp_chain_add(world, hand, &def, &id));
+    REFUSED(PALP_FULL_CHAINS, palp_chain_add(world, hand, &def, &id));
+    FINE(palp_body_remove(world, body));
+    REFUSED(PALP_STALE_CHAIN, palp_chain_remove(world, ids[7]));
+    FINE(palp_chain_remove(world, id));
+    good_joints_of_a_chain(made);
+    def.joint_count = 2;
+    FINE(palp_chain_add(world, hand, &def, &arm));
+}
+
+static void pieces_of_chains(void) {
+    palp_piece_def def = PALP_PIECE_DEF_INIT, wrong;
+    palp_piece_id id = null_piece;
+    def.shape = PALP_SHAPE_POINT;
+    def.radius_m = 0.1f;
+    wrong = def;
+    REFUSED(PALP_NULL, palp_chain_add_piece(NULL, arm, 0, &def, &id));
+    REFUSED(PALP_NULL, palp_chain_add_piece(world, arm, 0, NULL, &id));
+    REFUSED(PALP_NULL, palp_chain_add_piece(world, arm, 0, &def, NULL));
+    REFUSED(PALP_MISALIGNED,
+            palp_chain_add_piece(world, arm, 0, CROOKED(const palp_piece_def *, &def), &id));
+    REFUSED(PALP_STALE_CHAIN, palp_chain_add_piece(world, null_chain, 0, &def, &id));
+    REFUSED(PALP_STALE_CHAIN, palp_chain_add_piece(world, gone_chain, 0, &def, &id));
+    REFUSED(PALP_UNKNOWN_JOINT, palp_chain_add_piece(world, arm, ANGLES, &def, &id));
+    REFUSED(PALP_UNKNOWN_JOINT, palp_chain_add_piece(world, arm, UINT32_MAX, &def, &id));
+    wrong.struct_size--;
+    REFUSED(PALP_BAD_STRUCT_SIZE, palp_chain_add_piece(world, arm, 0, &wrong, &id));
+    wrong = def;
+    wrong.radius_m = 0.0f;
+    REFUSED(PALP_DEGENERATE, palp_chain_add_piece(world, arm, 0, &wrong, &id));
+    FINE(palp_chain_add_piece(world, arm, ANGLES - 1, &def, &id));
+    REFUSED(PALP_FULL_PIECES, palp_chain_add_piece(world, arm, 0, &def, &id));
+    FINE(palp_piece_set_groups(world, id, 1, 2));
+    FINE(palp_piece_remove(world, id));
+    REFUSED(PALP_STALE_PIECE, palp_piece_set_groups(world, id, 1, 2));
+    REFUSED(PALP_STALE_PIECE, palp_piece_set_groups(world, null_piece, 1, 2));
+    REFUSED(PALP_NULL, palp_piece_set_groups(NULL, hand_piece, 1, 2));
+}
+
+static void driving_chains(void) {
+    float angles[ANGLES] = {0.1f, 0.1f, 0.1f, 0.1f}, wild[ANGLES], distance = -1.0f;
+    const palp_pose good = PALP_POSE_IDENTITY;
+    palp_pose poses[2], bad = good;
+    palp_chain_options options = PALP_CHAIN_OPTIONS_DEFAULT;
+    int i;
+    poses[0] = poses[1] = good;
+    bad.position.x = NAN;
+    memcpy(wild, angles, sizeof angles);
+    wild[ANGLES - 1] = NAN;
+#define DRIVING(call)                                                                              \
+    REFUSED(PALP_NULL, call(NULL, arm, angles, ANGLES));                                           \
+    REFUSED(PALP_NULL, call(world, arm, NULL, ANGLES));                                            \
+    REFUSED(PALP_MISALIGNED, call(world, arm, CROOKED(const float *, angles), ANGLES));            \
+    REFUSED(PALP_INSIDE_WORLD, call(world, arm, (const float *)(void *)memory, ANGLES));           \
+    REFUSED(PALP_STALE_CHAIN, call(world, null_chain, angles, ANGLES));                            \
+    REFUSED(PALP_STALE_CHAIN, call(world, gone_chain, angles, ANGLES));                            \
+    REFUSED(PALP_WRONG_COUNT, call(world, arm, angles, ANGLES - 1));                               \
+    REFUSED(PALP_WRONG_COUNT, call(world, arm, NULL, 0));                                          \
+    REFUSED(PALP_NOT_FINITE, call(world, arm, wild, ANGLES))
+    DRIVING(palp_chain_set_angles);
+    DRIVING(palp_chain_place);
+    REFUSED(PALP_NULL, palp_chain_set_link_poses(NULL, arm, poses, 2));
+    REFUSED(PALP_NULL, palp_chain_set_link_poses(world, arm, NULL, 2));
+    REFUSED(PALP_MISALIGNED, palp_chain_set_link_poses(world, arm, CROOKED(palp_pose *, poses), 2));
+    REFUSED(PALP_INSIDE_WORLD,
+            palp_chain_set_link_poses(world, arm, (const palp_pose *)(void *)memory, 2));
+    REFUSED(PALP_STALE_CHAIN, palp_chain_set_link_poses(world, gone_chain, poses, 2));
+    REFUSED(PALP_WRONG_COUNT, palp_chain_set_link_poses(world, arm, poses, 1));
+    poses[1].orientation.w = 0.0f;
+    REFUSED(PALP_BAD_POSE, palp_chain_set_link_poses(world, arm, poses, 2));
+    REFUSED(PALP_NULL, palp_chain_set_tip(NULL, arm, &good, angles, ANGLES, NULL));
+    REFUSED(PALP_NULL, palp_chain_set_tip(world, arm, NULL, angles, ANGLES, NULL));
+    REFUSED(PALP_NULL, palp_chain_set_tip(world, arm, &good, NULL, ANGLES, NULL));
+    REFUSED(PALP_MISALIGNED,
+            palp_chain_set_tip(world, arm, &good, angles, ANGLES, CROOKED(float *, &distance)));
+    REFUSED(PALP_INSIDE_WORLD,
+            palp_chain_set_tip(world, arm, &good, (const float *)(void *)memory, ANGLES, NULL));
+    REFUSED(PALP_STALE_CHAIN, palp_chain_set_tip(world, gone_chain, &good, angles, ANGLES, NULL));
+    REFUSED(PALP_WRONG_COUNT, palp_chain_set_tip(world, arm, &good, angles, 1, NULL));
+    REFUSED(PALP_NOT_FINITE, palp_chain_set_tip(world, arm, &good, wild, ANGLES, NULL));
+    REFUSED(PALP_BAD_POSE, palp_chain_set_tip(world, arm, &bad, angles, ANGLES, &distance));
+    TRUE(distance == -1.0f);
+    REFUSED(PALP_NULL, palp_chain_set_options(world, arm, NULL));
+    REFUSED(PALP_MISALIGNED,
+            palp_chain_set_options(world, arm, CROOKED(palp_chain_options *, &options)));
+    REFUSED(PALP_STALE_CHAIN, palp_chain_set_options(world, gone_chain, &options));
+    options.attraction_s = NAN;
+    REFUSED(PALP_BAD_OPTIONS, palp_chain_set_options(world, arm, &options));
+    for (i = 0; i < ANGLES; i++) {
+        wild[i] = i % 2 ? 3e38f : -3e38f;
+    }
+    FINE(palp_chain_set_angles(world, arm, wild, ANGLES));
+    FINE(palp_chain_set_tip(world, arm, &good, wild, ANGLES, &distance));
+    TRUE(distance >= 0.0f && distance < 1e3f);
+}
+
+static void reading_chains(void) {
+    const palp_frame_input input = PALP_FRAME_INPUT_INIT;
+    const float *angles = NULL;
+    const palp_pose *poses = NULL;
+    palp_chain_state state = PALP_CHAIN_STATE_INIT;
+    uint32_t count = 0, i;
+#define READING(call, column)                                                                      \
+    REFUSED(PALP_NULL, call(NULL, arm, &column, &count));                                          \
+    REFUSED(PALP_NULL, call(world, arm, NULL, &count));                                            \
+    REFUSED(PALP_MISALIGNED, call(world, arm, &column, CROOKED(uint32_t *, &count)));              \
+    REFUSED(PALP_STALE_CHAIN, call(world, null_chain, &column, &count));                           \
+    REFUSED(PALP_STALE_CHAIN, call(world, gone_chain, &column, &count));                           \
+    TRUE(column == NULL && count == 0);                                                            \
+    GIVES(PALP_OK, call(world, arm, &column, NULL));                                               \
+    GIVES(PALP_OK, call(world, arm, &column, &count));                                             \
+    TRUE(column != NULL && count == ANGLES);                                                       \
+    count = 0
+    READING(palp_chain_angles, angles);
+    angles = NULL;
+    READING(palp_chain_target_angles, angles);
+    READING(palp_chain_link_poses, poses);
+    REFUSED(PALP_NULL, palp_chain_report(world, arm, NULL));
+    REFUSED(PALP_NULL, palp_chain_report(NULL, arm, &state));
+    REFUSED(PALP_STALE_CHAIN, palp_chain_report(world, gone_chain, &state));
+    state.struct_size--;
+    REFUSED(PALP_BAD_STRUCT_SIZE, palp_chain_report(world, arm, &state));
+    state.struct_size = sizeof state;
+    GIVES(PALP_OK, palp_chain_report(world, arm, &state));
+    FINE(palp_frame_step(world, &input, NULL));
+    FINE(palp_chain_angles(world, arm, &angles, NULL));
+    for (i = 0; i < ANGLES; i++) {
+        TRUE(angles[i] > -6.3f && angles[i] < 6.3f);
+    }
+}
+
+/* Structs as an older header declares them. */
+static void older_structs(void) {
+    palp_capacities room = small_room();
+    palp_frame_input input = PALP_FRAME_INPUT_INIT;
+    const size_t with_chains = palp_memory_bytes(&room);
+    room.struct_size = 28;
+    TRUE(palp_memory_bytes(&room) < with_chains);
+    room.struct_size = 32;
+    TRUE(palp_memory_bytes(&room) == 0);
+    input.struct_size = 16;
+    FINE(palp_frame_step(world, &input, NULL));
+    input.struct_size = 18;
+    REFUSED(PALP_BAD_STRUCT_SIZE, palp_frame_step(world, &input, NULL));
+}
+
 /* A whole header before a state that makes no sense: the library may fail, but must come back. */
 static void failing_inside(void) {
     const palp_frame_input input = PALP_FRAME_INPUT_INIT;
@@ -488,6 +797,13 @@ int main(void) {
     frames();
     states();
     hands();
+    cones();
+    adding_chains();
+    full_chains();
+    pieces_of_chains();
+    driving_chains();
+    reading_chains();
+    older_structs();
     failing_inside();
     printf("%d refusals as they should be\n", refusals);
     return 0;

@@ -179,6 +179,7 @@ end
 local input, report = ffi.new("palp_frame_input"), ffi.new("palp_frame_report")
 input.struct_size, report.struct_size = ffi.sizeof(input), ffi.sizeof(report)
 input.dt_s, input.advance_units, input.impulse_units = 1 / 60, 0xffffffff, 0xffffffff
+input.reach_steps = 0xffffffff
 
 local pose = ffi.new("palp_pose")
 for frame = 0, FRAMES - 1 do

@@ -146,7 +146,7 @@ impl Library {
             .arg(package().join("hosts").join(source))
             .arg("-L")
             .arg(&self.directory)
-            .arg("-lpalpable")
+            .args(["-lpalpable", "-lm"])
             .arg(format!("-Wl,-rpath,{}", self.directory.display()))
             .arg("-o")
             .arg(&program)

@@ -93,7 +93,7 @@ fn add_hand(world: &mut World) -> BodyId {
 }
 
 /// A block of the kernel's alignment.
-fn with_world<R>(act: impl FnOnce(&mut World) -> R) -> R {
+pub fn with_world<R>(act: impl FnOnce(&mut World) -> R) -> R {
     let bytes = Capacities::ROOM.bytes();
     let mut memory = vec![0u8; bytes + 64];
     let past = memory.as_ptr().addr() % 64;
