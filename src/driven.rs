@@ -14,7 +14,7 @@ use crate::reach::{self, Hold, Plan};
 use crate::state::State;
 use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, is_body_of};
 use crate::state::chains::{
-    End, chains_of, has_chains, joints_of, next_chain, place_links, slot_range,
+    ChainReport, End, chains_of, has_chains, joints_of, next_chain, place_links, slot_range,
 };
 use crate::state::contacts::PairsFull;
 use crate::state::pieces::{Bounds, PiecesOf};
@@ -45,6 +45,9 @@ pub(crate) fn run(state: &mut State, budget: &Budget, report: &mut FrameReport) 
             state.bodies.report[body].flags |= flags;
             report.flags |= frame_flags(flags);
             left -= purses.units.spent();
+            if is_reach_cut(state, body) {
+                report.set(FrameReport::REACH_CUT);
+            }
             if state.registers.driven > 1 {
                 step_ahead(state, body);
             }
@@ -53,9 +56,11 @@ pub(crate) fn run(state: &mut State, budget: &Budget, report: &mut FrameReport) 
     state.registers.disturbed = u32::from(overlaps != 0);
     report.advance_units = budget.advance_units - left;
     report.reach_steps = purses.steps.spent();
-    if purses.steps.left() == 0 && purses.steps.spent() > 0 {
-        report.set(FrameReport::REACH_CUT);
-    }
+}
+
+/// Whether a chain of a body was left without the steps that it asked for.
+fn is_reach_cut(state: &State, body: usize) -> bool {
+    chains_of(state, body).any(|chain| state.chains.report[chain].flags & ChainReport::CUT != 0)
 }
 
 /// What driven bodies may spend.

@@ -102,7 +102,9 @@ pub fn direction(v: Vec3) -> Option<Vec3> {
         return None;
     }
     let scaled = v / largest;
-    Some(scaled / length(scaled))
+    let length = length(scaled);
+    // A coordinate that is not a number may hide behind the largest one.
+    (length > 0.0).then(|| scaled / length)
 }
 
 /// Any unit vector at right angles to the unit vector `n`, continuous except at n.z = 0.

@@ -21,7 +21,7 @@ use crate::status::{
     PALP_BAD_AXIS, PALP_BAD_BASE, PALP_BAD_OPTIONS, PALP_BAD_POSE, PALP_BAD_RANGE,
     PALP_CHAIN_IN_USE, PALP_CONE_TOO_MANY_CORNERS, PALP_FULL_CHAINS, PALP_FULL_JOINTS,
     PALP_NOT_FINITE, PALP_OK, PALP_STALE_BODY, PALP_STALE_CHAIN, PALP_TOO_MANY_CHAINS,
-    PALP_UNKNOWN_JOINT, PALP_WRONG_COUNT, PALP_WRONG_KIND, palp_status,
+    PALP_WRONG_COUNT, PALP_WRONG_KIND, palp_status,
 };
 use crate::types::{palp_body_id, palp_piece_def, palp_piece_id, palp_pose, palp_vec3, palp_world};
 
@@ -180,10 +180,6 @@ pub unsafe extern "C" fn palp_chain_add_piece(
         unsafe {
             let id = with_piece(def, |def| {
                 Block::of(world)?.change(|world| {
-                    let hinges = world.angles(chain).map_err(chain_status)?.len();
-                    if hinge as usize >= hinges {
-                        return Err(PALP_UNKNOWN_JOINT);
-                    }
                     world
                         .add_link_piece(chain, hinge, def)
                         .map_err(piece_status)

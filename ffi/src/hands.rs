@@ -37,7 +37,7 @@ const _: () = assert!(size_of::<JointLocation>() == 40);
 const fn joints_status(error: SetJointsError) -> palp_status {
     match error {
         SetJointsError::Stale => PALP_STALE_BODY,
-        SetJointsError::WrongKind => PALP_WRONG_KIND,
+        SetJointsError::WrongKind | SetJointsError::OnLinks => PALP_WRONG_KIND,
         SetJointsError::WrongCount => PALP_WRONG_COUNT,
         SetJointsError::UnknownJoint => PALP_UNKNOWN_JOINT,
         SetJointsError::BadOffset => PALP_BAD_POSE,

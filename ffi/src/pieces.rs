@@ -11,8 +11,8 @@ use crate::panic::guarded;
 use crate::status::{
     PALP_BAD_ENUM, PALP_BAD_NUMBER, PALP_BAD_POSE, PALP_BAD_STRIDE, PALP_DEGENERATE,
     PALP_FULL_PIECES, PALP_FULL_VERTICES, PALP_NOT_FINITE, PALP_OK, PALP_STALE_BODY,
-    PALP_STALE_PIECE, PALP_TOO_FEW_POINTS, PALP_TOO_LARGE, PALP_TOO_MANY_POINTS,
-    PALP_UNKNOWN_MATERIAL, palp_status,
+    PALP_STALE_CHAIN, PALP_STALE_PIECE, PALP_TOO_FEW_POINTS, PALP_TOO_LARGE, PALP_TOO_MANY_POINTS,
+    PALP_UNKNOWN_JOINT, PALP_UNKNOWN_MATERIAL, palp_status,
 };
 use crate::types::{
     PALP_SHAPE_BOX, PALP_SHAPE_HULL, PALP_SHAPE_POINT, PALP_SHAPE_SEGMENT, palp_body_id,
@@ -22,6 +22,8 @@ use crate::types::{
 pub(crate) const fn add_status(error: AddPieceError) -> palp_status {
     match error {
         AddPieceError::StaleBody => PALP_STALE_BODY,
+        AddPieceError::StaleChain => PALP_STALE_CHAIN,
+        AddPieceError::UnknownHinge => PALP_UNKNOWN_JOINT,
         AddPieceError::FullPieces => PALP_FULL_PIECES,
         AddPieceError::FullVertices => PALP_FULL_VERTICES,
         AddPieceError::TooFewPoints => PALP_TOO_FEW_POINTS,

@@ -254,9 +254,8 @@ impl<'p> Problem<'p> {
             return (self.wanted.clone(), self.swing(state, from, self.wanted));
         }
         let (angles, mut reached) = self.rounds(state, from, steps);
-        if reached > TOLERANCE_M && steps.left() == 0 {
-            // No better than staying, which is known to be safe.
-            state.chains.report[self.limb.chain].flags |= ChainReport::CUT;
+        if state.chains.report[self.limb.chain].flags & ChainReport::CUT != 0 {
+            // A chain that was cut asks nothing of the root: it goes on in the next frame.
             reached = 0.0;
         }
         self.report(state, &angles, reached, missed);
@@ -290,6 +289,9 @@ impl<'p> Problem<'p> {
             };
             steps.spend(found.steps);
             state.chains.report[chain].steps += found.steps;
+            if most < REACH_STEPS_PER_LEG_MAX && found.steps >= most {
+                state.chains.report[chain].flags |= ChainReport::CUT;
+            }
             missed_m = found.missed_m;
             let posture = self.posture(state, &angles);
             self.project_tip(&posture);

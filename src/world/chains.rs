@@ -4,7 +4,7 @@ use glam::{Quat, Vec3};
 
 use super::pieces::AddPieceError;
 use super::{BodyError, PieceDef, World};
-use crate::geometry::chain::{Hinge, JointDef, turns_nearest};
+use crate::geometry::chain::{self, Hinge, JointDef, turns_nearest};
 use crate::limits::{CHAIN_HINGES_MAX, CHAINS_PER_BODY_MAX, WORLD_REACH_M};
 use crate::math::{self, Pose};
 use crate::memory::ids::free_slot;
@@ -297,7 +297,7 @@ impl World<'_> {
     /// Adds a piece to the link behind a hinge of a chain; its local pose is in that link's frame.
     ///
     /// # Errors
-    /// [`AddPieceError`], [`AddPieceError::StaleBody`] for a chain or a hinge that does not exist.
+    /// [`AddPieceError`]; on an error nothing has changed.
     pub fn add_link_piece(
         &mut self,
         chain: ChainId,
@@ -306,10 +306,10 @@ impl World<'_> {
     ) -> Result<PieceId, AddPieceError> {
         let index = self
             .chain_index(chain)
-            .map_err(|_| AddPieceError::StaleBody)?;
+            .map_err(|_| AddPieceError::StaleChain)?;
         let joint = joints_of(&self.state, index)
             .nth(hinge as usize)
-            .ok_or(AddPieceError::StaleBody)?;
+            .ok_or(AddPieceError::UnknownHinge)?;
         self.add_piece_at(
             self.state.chains.body[index] as usize,
             joint as u32 + 1,
@@ -474,16 +474,23 @@ impl World<'_> {
             tolerance_m: 1e-5,
         };
         least_deviation(&task, angles, TIP_STEPS_MAX);
-        let reached = crate::geometry::chain::posture(task.hinges, &root, angles);
-        let last = reached.last().map_or(root, |placed| placed.link);
         self.state.joints.target[joints].copy_from_slice(angles);
         self.keep_targets(chain);
         let chains = &mut self.state.chains;
         chains.is_tip_seen[chain] = 1;
         chains.tip_seen[chain] = tip.point(Vec3::from_array(chains.options[chain].tip));
-        Ok(math::length(
-            last.translation() + base.translation() - tip.translation(),
-        ))
+        Ok(self.tip_missed_m(chain, &base, &tip))
+    }
+
+    /// How far the last link's origin is from a place at the target angles, in metres.
+    fn tip_missed_m(&self, chain: usize, base: &Pose, tip: &Pose) -> f32 {
+        let joints = joints_of(&self.state, chain);
+        let root = base.moved(-base.translation());
+        let targets = &self.state.joints.target[joints.clone()];
+        let hinges = &self.state.joints.hinge[joints];
+        let reached = chain::posture(hinges, &root, targets);
+        let last = reached.last().map_or(root, |placed| placed.link);
+        math::length(last.translation() + base.translation() - tip.translation())
     }
 
     /// A chain's published angles in radians, one for each hinge.

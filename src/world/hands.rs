@@ -49,6 +49,8 @@ pub enum SetJointsError {
     BadOffset,
     /// The reach is not above zero.
     BadReach,
+    /// A piece is on a link of a chain: its joint's pose goes to [`World::set_link_poses`].
+    OnLinks,
 }
 
 impl From<BodyError> for SetJointsError {
@@ -82,6 +84,9 @@ impl World<'_> {
             return Err(SetJointsError::WrongKind);
         }
         let first = self.state.bodies.first_piece[body];
+        if PiecesOf::new(self.state.pieces.next, first).any(|p| self.state.pieces.link[p] != 0) {
+            return Err(SetJointsError::OnLinks);
+        }
         let pieces = PiecesOf::new(self.state.pieces.next, first).count();
         input.judge(pieces)?;
         let Some(root) = input.root() else {

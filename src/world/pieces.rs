@@ -61,6 +61,10 @@ impl<'a> PieceDef<'a> {
 pub enum AddPieceError {
     /// The id names no body of this world.
     StaleBody,
+    /// The id names no chain of this world.
+    StaleChain,
+    /// The chain has no such hinge.
+    UnknownHinge,
     /// No room: raise [`crate::memory::Capacities::pieces`].
     FullPieces,
     /// No room: raise [`crate::memory::Capacities::vertices`].

@@ -127,6 +127,15 @@ impl World<'_> {
     }
 }
 
+/// The published pose of a piece in its body's frame, through the link that it is on.
+fn published_in_body(state: &State, piece: usize) -> Pose {
+    let local = &state.pieces.local[piece];
+    match state.pieces.link[piece].checked_sub(1) {
+        Some(joint) => state.joints.link[joint as usize].then(local),
+        None => *local,
+    }
+}
+
 /// Pieces of the two bodies, by slot.
 type PiecePair = (usize, usize);
 
@@ -152,10 +161,8 @@ impl<'s, 'w> Question<'s, 'w> {
         let first_b = state.bodies.first_piece[b];
         let mut whole_b = Bounds::EMPTY;
         for piece in PiecesOf::new(state.pieces.next, first_b) {
-            whole_b = whole_b.union(Bounds::of(
-                &state.pieces.shape[piece],
-                &state.pieces.local[piece],
-            ));
+            let pose = published_in_body(state, piece);
+            whole_b = whole_b.union(Bounds::of(&state.pieces.shape[piece], &pose));
         }
         Self {
             state,
@@ -201,8 +208,13 @@ impl<'s, 'w> Question<'s, 'w> {
     /// The pose of a piece of A that is moved by `offset`.
     fn pose_a(&self, piece: usize, offset: Vec3) -> Pose {
         self.a_in_b
-            .then(&self.state.pieces.local[piece])
+            .then(&published_in_body(self.state, piece))
             .moved(offset)
+    }
+
+    /// The pose of a piece of B.
+    fn pose_in_b(&self, piece: usize) -> Pose {
+        published_in_body(self.state, piece)
     }
 
     fn separation(&self, (a, b): PiecePair, offset: Vec3) -> Separation {
@@ -211,7 +223,7 @@ impl<'s, 'w> Question<'s, 'w> {
             &self.state.pools.convex(&pieces.shape[a]),
             &self.state.pools.convex(&pieces.shape[b]),
             &self.pose_a(a, offset),
-            &pieces.local[b],
+            &self.pose_in_b(b),
             Vec3::ZERO,
         )
     }
@@ -231,7 +243,7 @@ impl<'s, 'w> Question<'s, 'w> {
                 continue;
             }
             for b in self.pieces_of(self.first_b) {
-                let gap = bounds.gap(&Bounds::of(&pieces.shape[b], &pieces.local[b]));
+                let gap = bounds.gap(&Bounds::of(&pieces.shape[b], &self.pose_in_b(b)));
                 if gap < within {
                     within = visit((a, b), gap);
                 }
@@ -338,7 +350,7 @@ impl<'s, 'w> Question<'s, 'w> {
                 a: self.state.pools.convex(&pieces.shape[a]),
                 a_pose: self.pose_a(a, Vec3::ZERO),
                 b: self.state.pools.convex(&pieces.shape[b]),
-                b_pose: pieces.local[b],
+                b_pose: self.pose_in_b(b),
             })
             .collect();
         let mut scratch = UnionScratch::new();
@@ -353,7 +365,7 @@ impl<'s, 'w> Question<'s, 'w> {
             self.state.pools.convex(&pieces.shape[a]),
             self.state.pools.convex(&pieces.shape[b]),
         );
-        let local = &pieces.local[b];
+        let local = &self.pose_in_b(b);
         let a_in_piece = self.pose_a(a, Vec3::ZERO).seen_from(local);
         let core = core_gap(&shape_a, &shape_b, &a_in_piece, Vec3::ZERO);
         let to_world = self.pose_b.then(local);

@@ -324,6 +324,9 @@ static void check_frame(int frame) {
     check_links(angles, frame);
     ok(palp_penetration(world, body, wall, &found), "palp_penetration");
     check(found.depth_m < SLOP, "the arm overlaps the wall", frame);
+    if (frame >= STILL_FROM && frame < STILL_END) {
+        check(found.depth_m == 0.0f && found.distance_m < 1e-4f, "the arm is not at the wall", frame);
+    }
 }
 
 static void check_follows(palp_chain_id chain, const float *wanted, uint32_t count, int frame) {
