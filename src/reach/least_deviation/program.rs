@@ -6,15 +6,19 @@
 //! ranges. Which rows press and which joints are at their limits is found by the primal-dual active set
 //! method (Hintermueller, Ito and Kunisch 2002: for these programs a Newton method), at most
 //! [`PASSES_MAX`] times a small factorisation.
+//!
+//! Heights bend: a shoulder's by as much as the arm is long. Where that matters the program is solved
+//! twice more, see [`Program::bend`].
 
 use arrayvec::ArrayVec;
 
+use super::TURN_MAX;
 use super::spot::Spot;
 use crate::limits::{CHAIN_GOALS_MAX, CHAIN_HINGES_MAX};
 use crate::math;
-use crate::reach::goal::{CHAIN_BALLS_MAX, Row, Task};
+use crate::reach::goal::{Angles, CHAIN_BALLS_MAX, Row, Task};
 
-/// Most factorisations in one step.
+/// Most factorisations in one solution of a step's program, of which there are at most three.
 pub const PASSES_MAX: u32 = 7;
 
 /// Most rows: goals, and two edges of each ball's cone.
@@ -25,6 +29,27 @@ const ROWS_MAX: usize = CHAIN_GOALS_MAX + 2 * CHAIN_BALLS_MAX;
 const PENALTY_FACTOR: f32 = 1.5;
 
 type Rows<T> = ArrayVec<T, ROWS_MAX>;
+
+/// Goals that bend away by no more than this part of the tolerance are taken for straight.
+const BEND_MIN: f32 = 0.25;
+
+/// Most that second derivatives stiffen a joint, the pull toward its tracked angle being one.
+const SPRING_MAX: f32 = 10.0;
+
+/// Most that is asked for where a goal bends away, as a part of what is needed.
+const LEAD_MAX: f32 = 2.0;
+
+/// What to ask for of a height that falls short of its tangent by `short` of the step asked for: the
+/// lesser t with t - short t2 = 1.
+fn lead(short: f32) -> f32 {
+    if short.abs() < 1e-3 {
+        1.0 + short
+    } else if short < 0.25 {
+        (1.0 - math::sqrt(1.0 - 4.0 * short)) / (2.0 * short)
+    } else {
+        LEAD_MAX
+    }
+}
 
 /// One linearised goal or edge.
 struct Line {
@@ -47,6 +72,10 @@ pub(super) struct Program {
     reference: Row,
     y: Row,
     joints: usize,
+    /// The reference before springs are added.
+    tracked: Row,
+    /// How far a unit of force turns each joint.
+    give: Row,
 }
 
 impl Program {
@@ -65,6 +94,8 @@ impl Program {
             reference,
             y: reference,
             joints,
+            tracked: reference,
+            give: [1.0; CHAIN_HINGES_MAX],
         };
         let mut largest = 0.0;
         for goal in task.used_goals() {
@@ -101,6 +132,56 @@ impl Program {
                 line.added = CONE_DAMPING * line.stiffness + f32::MIN_POSITIVE;
                 self.lines.push(line);
             }
+        }
+    }
+
+    /// Solves again with second derivatives, where goals bend away by more than a part of the tolerance:
+    /// joints along which the pressing goals bend give way less, and then as much more is asked for as
+    /// the goals bend away from their tangents.
+    ///
+    /// Of the Hessian of the Lagrangian the diagonal is kept, where it is positive.
+    pub(super) fn bend(&mut self, task: &Task, spot: &Spot) {
+        for leads in [false, true] {
+            let mut turned = difference(&self.y[..self.joints], &spot.q);
+            let widest = turned.iter().map(|x| x.abs()).fold(0.0, math::max);
+            let part = if widest > TURN_MAX {
+                TURN_MAX / widest
+            } else {
+                1.0
+            };
+            for turned in &mut turned {
+                *turned *= part;
+            }
+            let mut most = 0.0;
+            let mut curved = [0.0; CHAIN_HINGES_MAX];
+            for (line, goal) in self.lines.iter_mut().zip(task.used_goals()) {
+                if line.softness > 0.0 || !line.presses {
+                    continue;
+                }
+                let (short_m, curvature) = goal.bends(&spot.placed, &turned);
+                most = math::max(short_m.abs(), most);
+                for (sum, c) in curved.iter_mut().zip(&curvature) {
+                    *sum += part * line.force * c;
+                }
+                if leads {
+                    let gain = product(&line.row, &turned);
+                    line.least += gain * (lead(short_m / gain) - 1.0) / part;
+                }
+            }
+            if !(most > BEND_MIN * task.tolerance_m) {
+                return;
+            }
+            self.stiffen(&curved, &spot.q);
+            self.solve(task);
+        }
+    }
+
+    /// Adds a spring to each joint that holds it where it is.
+    fn stiffen(&mut self, curved: &Row, q: &Angles) {
+        for (joint, q) in q.iter().enumerate() {
+            let spring = math::clamp(curved[joint], 0.0, SPRING_MAX);
+            self.give[joint] = 1.0 / (1.0 + spring);
+            self.reference[joint] = (self.tracked[joint] + spring * q) * self.give[joint];
         }
     }
 
@@ -157,8 +238,8 @@ impl Program {
     fn pulled(&self) -> Row {
         let mut pulled = self.reference;
         for line in self.lines.iter().filter(|line| line.presses) {
-            for (angle, row) in pulled.iter_mut().zip(&line.row) {
-                *angle += row * line.force;
+            for j in 0..CHAIN_HINGES_MAX {
+                pulled[j] += line.row[j] * self.give[j] * line.force;
             }
         }
         pulled
@@ -182,8 +263,8 @@ impl Program {
             let line = &self.lines[index];
             right[i] = line.least - product(&line.row, &held);
             let mut moved = line.row;
-            for (moved, free) in moved.iter_mut().zip(free) {
-                *moved *= free;
+            for j in 0..CHAIN_HINGES_MAX {
+                moved[j] *= free[j] * self.give[j];
             }
             for (j, &other) in pressing.iter().enumerate().take(i + 1) {
                 matrix[i][j] = product(&moved, &self.lines[other].row);
@@ -217,6 +298,14 @@ impl Line {
             presses: is_exact,
         }
     }
+}
+
+fn difference(a: &[f32], b: &[f32]) -> Row {
+    let mut row = [0.0; CHAIN_HINGES_MAX];
+    for (slot, (a, b)) in row.iter_mut().zip(a.iter().zip(b)) {
+        *slot = a - b;
+    }
+    row
 }
 
 fn padded(angles: &[f32]) -> Row {
