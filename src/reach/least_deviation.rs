@@ -46,6 +46,8 @@ const LAG: f32 = 0.5;
 /// Damping of a step, as a part of the largest entry of its matrix's diagonal: least, first after a
 /// failure, most, and by what factor it grows and shrinks.
 const DAMPING: f32 = 1e-6;
+/// Soft goals bear on hard ones with forces of 1e4, which times the damping is what these give way.
+const DAMPING_SOFT: f32 = 1e-11;
 const DAMPING_RAISED: f32 = 1e-3;
 const DAMPING_MAX: f32 = 1.0;
 const DAMPING_FACTOR: f32 = 10.0;
@@ -98,9 +100,12 @@ pub fn least_deviation(task: &Task, angles: &mut [f32], steps: u32) -> Reached {
 /// Steps from a spot until nothing is gained; how many there were. Unless it is `patient`, it ends where
 /// exact goals come nearer too slowly, if steps are left to begin again.
 fn descend(task: &Task, spot: &mut Spot, steps: u32, patient: bool) -> u32 {
-    let mut damping = DAMPING;
+    let least_damping = if spot.is_soft { DAMPING_SOFT } else { DAMPING };
+    let mut damping = least_damping;
     let mut used = 0;
     let (mut mark, mut since) = (spot.shortfall, 0);
+    // Where the goals were last met before a step left them.
+    let mut cheapest: Option<Spot> = None;
     while used < steps {
         used += 1;
         let was_met = spot.is_met;
@@ -115,8 +120,12 @@ fn descend(task: &Task, spot: &mut Spot, steps: u32, patient: bool) -> u32 {
             continue;
         };
         let turned = most_turned(&spot.q, &next.q);
-        *spot = next;
-        damping = math::max(damping / DAMPING_FACTOR, DAMPING);
+        if was_met && !next.is_met {
+            cheapest = Some(core::mem::replace(spot, next));
+        } else {
+            *spot = next;
+        }
+        damping = math::max(damping / DAMPING_FACTOR, least_damping);
         if spot.is_met && was_met && turned <= TURN_MIN {
             break;
         }
@@ -127,6 +136,17 @@ fn descend(task: &Task, spot: &mut Spot, steps: u32, patient: bool) -> u32 {
         let stalls = !patient && since >= STALL_STEPS && steps - used >= RESTART_STEPS_MIN;
         if stalls && spot.misses_exactly(task) {
             break;
+        }
+        if cheapest
+            .as_ref()
+            .is_some_and(|before| spot.is_met && spot.cost >= before.cost)
+        {
+            break;
+        }
+    }
+    if let Some(before) = cheapest {
+        if !spot.is_met || before.cost <= spot.cost {
+            *spot = before;
         }
     }
     used
@@ -140,7 +160,7 @@ fn most_turned(from: &Angles, to: &[f32]) -> f32 {
 /// The longest part of the way to a program's angles that is worth going, as a spot.
 fn guarded(task: &Task, spot: &Spot, program: &Program) -> Option<Spot> {
     let next = program.angles();
-    let most = most_turned(&spot.q, next);
+    let most = most_turned(&spot.q, &next);
     let mut share = if most > TURN_MAX {
         TURN_MAX / most
     } else {
@@ -155,7 +175,7 @@ fn guarded(task: &Task, spot: &Spot, program: &Program) -> Option<Spot> {
                 a + (b - a) * share
             }
         };
-        let trial = spot.q.iter().zip(next).map(part).collect();
+        let trial = spot.q.iter().zip(&next).map(part).collect();
         if let Some(trial) = worth(task, spot, trial, penalty) {
             let lags = !trial.is_met && trial.shortfall > LAG * spot.shortfall;
             let alone = turned_alone(task, spot).filter(|_| lags);

@@ -30,6 +30,9 @@ const PENALTY_FACTOR: f32 = 1.5;
 
 type Rows<T> = ArrayVec<T, ROWS_MAX>;
 
+/// Soft goals of 1e-5 m2/rad2 against hard ones mean forces of 1e4 that cancel: f32 would not do.
+type Wide = [f64; CHAIN_HINGES_MAX];
+
 /// Goals that bend away by no more than this part of the tolerance are taken for straight.
 const BEND_MIN: f32 = 0.25;
 
@@ -53,29 +56,29 @@ fn lead(short: f32) -> f32 {
 
 /// One linearised goal or edge.
 struct Line {
-    row: Row,
-    least: f32,
+    row: Wide,
+    least: f64,
     is_exact: bool,
-    softness: f32,
+    softness: f64,
     /// The row's product with itself and its softness: what a unit of force does to it.
-    stiffness: f32,
+    stiffness: f64,
     /// What is added to the diagonal of the matrix.
-    added: f32,
+    added: f64,
     /// The multiplier.
-    force: f32,
+    force: f64,
     presses: bool,
 }
 
 pub(super) struct Program {
     lines: Rows<Line>,
     /// The angles that the change is least from, zero beyond the joints.
-    reference: Row,
-    y: Row,
+    reference: Wide,
+    y: Wide,
     joints: usize,
     /// The reference before springs are added.
-    tracked: Row,
+    tracked: Wide,
     /// How far a unit of force turns each joint.
-    give: Row,
+    give: Wide,
 }
 
 impl Program {
@@ -101,22 +104,24 @@ impl Program {
         for goal in task.used_goals() {
             let row = goal.row(&spot.placed);
             let softness = if goal.is_hard() { 0.0 } else { goal.softness };
-            let least = product(&row, &q) - goal.above_m(&spot.placed);
-            let line = Line::new(row, least, goal.is_exact, softness);
+            let row = widened(&row);
+            let least = product(&row, &q) - f64::from(goal.above_m(&spot.placed));
+            let line = Line::new(row, least, goal.is_exact, f64::from(softness));
             if goal.is_hard() {
-                largest = math::max(line.stiffness, largest);
+                largest = math::max_f64(line.stiffness, largest);
             }
             new.lines.push(line);
         }
         for line in &mut new.lines {
-            line.added = line.softness + damping * largest + f32::MIN_POSITIVE;
+            line.added =
+                line.softness + f64::from(damping) * largest + f64::from(f32::MIN_POSITIVE);
         }
         new.add_cones(task, spot, &q);
         new.choose();
         new
     }
 
-    fn add_cones(&mut self, task: &Task, spot: &Spot, q: &Row) {
+    fn add_cones(&mut self, task: &Task, spot: &Spot, q: &Wide) {
         for ball in task.used_balls() {
             if ball.first.saturating_add(2) >= self.joints {
                 continue;
@@ -125,11 +130,11 @@ impl Program {
             let [by_a, by_b] = ball.limb_slopes(&spot.q);
             for normal in ball.walls(limb) {
                 let mut row = [0.0; CHAIN_HINGES_MAX];
-                row[ball.first] = normal.dot(by_a);
-                row[ball.first + 1] = normal.dot(by_b);
-                let least = product(&row, q) - normal.dot(limb);
+                row[ball.first] = f64::from(normal.dot(by_a));
+                row[ball.first + 1] = f64::from(normal.dot(by_b));
+                let least = product(&row, q) - f64::from(normal.dot(limb));
                 let mut line = Line::new(row, least, false, 0.0);
-                line.added = CONE_DAMPING * line.stiffness + f32::MIN_POSITIVE;
+                line.added = CONE_DAMPING * line.stiffness + f64::from(f32::MIN_POSITIVE);
                 self.lines.push(line);
             }
         }
@@ -142,7 +147,7 @@ impl Program {
     /// Of the Hessian of the Lagrangian the diagonal is kept, where it is positive.
     pub(super) fn bend(&mut self, task: &Task, spot: &Spot) {
         for leads in [false, true] {
-            let mut turned = difference(&self.y[..self.joints], &spot.q);
+            let mut turned = difference(&self.angles(), &spot.q);
             let widest = turned.iter().map(|x| x.abs()).fold(0.0, math::max);
             let part = if widest > TURN_MAX {
                 TURN_MAX / widest
@@ -155,17 +160,18 @@ impl Program {
             let mut most = 0.0;
             let mut curved = [0.0; CHAIN_HINGES_MAX];
             for (line, goal) in self.lines.iter_mut().zip(task.used_goals()) {
-                if line.softness > 0.0 || !line.presses {
+                if !line.presses {
                     continue;
                 }
                 let (short_m, curvature) = goal.bends(&spot.placed, &turned);
                 most = math::max(short_m.abs(), most);
                 for (sum, c) in curved.iter_mut().zip(&curvature) {
-                    *sum += part * line.force * c;
+                    *sum += part * line.force as f32 * c;
                 }
-                if leads {
-                    let gain = product(&line.row, &turned);
-                    line.least += gain * (lead(short_m / gain) - 1.0) / part;
+                if leads && line.softness == 0.0 {
+                    let gain = product(&line.row, &widened(&turned));
+                    let share = lead((f64::from(short_m) / gain) as f32);
+                    line.least += gain * f64::from((share - 1.0) / part);
                 }
             }
             if !(most > BEND_MIN * task.tolerance_m) {
@@ -180,20 +186,25 @@ impl Program {
     fn stiffen(&mut self, curved: &Row, q: &Angles) {
         for (joint, q) in q.iter().enumerate() {
             let spring = math::clamp(curved[joint], 0.0, SPRING_MAX);
+            let spring = f64::from(spring);
             self.give[joint] = 1.0 / (1.0 + spring);
-            self.reference[joint] = (self.tracked[joint] + spring * q) * self.give[joint];
+            let pulled = self.tracked[joint] + spring * f64::from(*q);
+            self.reference[joint] = pulled * self.give[joint];
         }
     }
 
     /// The angles found.
-    pub(super) fn angles(&self) -> &[f32] {
-        &self.y[..self.joints]
+    pub(super) fn angles(&self) -> Angles {
+        self.y[..self.joints].iter().map(|&y| y as f32).collect()
     }
 
     /// What missing a metre of the hard goals is to cost, in rad2.
     pub(super) fn penalty(&self) -> f32 {
         let hard = self.lines.iter().filter(|line| line.softness == 0.0);
-        PENALTY_FACTOR * hard.map(|line| line.force.abs()).fold(0.0, math::max)
+        PENALTY_FACTOR
+            * hard
+                .map(|line| line.force.abs() as f32)
+                .fold(0.0, math::max)
     }
 
     /// The rows that press: exact ones, those with a force and those that are not met. Whether that
@@ -218,7 +229,17 @@ impl Program {
             let mut changed = false;
             let pulled = self.pulled();
             for (index, hinge) in task.hinges.iter().enumerate().take(self.joints) {
-                self.y[index] = hinge.kept(pulled[index]);
+                let kept = |angle: f64| {
+                    let (low, high) = (f64::from(hinge.low_rad), f64::from(hinge.high_rad));
+                    if angle < low {
+                        low
+                    } else if angle > high {
+                        high
+                    } else {
+                        angle
+                    }
+                };
+                self.y[index] = kept(pulled[index]);
                 let is_free = if self.y[index] == pulled[index] {
                     1.0
                 } else {
@@ -235,7 +256,7 @@ impl Program {
     }
 
     /// Where the forces pull joints that have no limits.
-    fn pulled(&self) -> Row {
+    fn pulled(&self) -> Wide {
         let mut pulled = self.reference;
         for line in self.lines.iter().filter(|line| line.presses) {
             for j in 0..CHAIN_HINGES_MAX {
@@ -247,15 +268,15 @@ impl Program {
 
     /// The forces with which the pressing rows hold, the joints that are not free staying where they
     /// are.
-    fn balance(&mut self, free: &Row) {
+    fn balance(&mut self, free: &Wide) {
         let mut held = self.y;
         for (held, (&free, &reference)) in held.iter_mut().zip(free.iter().zip(&self.reference)) {
             if free != 0.0 {
                 *held = reference;
             }
         }
-        let mut matrix = [[0.0_f32; ROWS_MAX]; ROWS_MAX];
-        let mut right = [0.0_f32; ROWS_MAX];
+        let mut matrix = [[0.0_f64; ROWS_MAX]; ROWS_MAX];
+        let mut right = [0.0_f64; ROWS_MAX];
         let pressing: Rows<usize> = (0..self.lines.len())
             .filter(|&index| self.lines[index].presses)
             .collect();
@@ -283,10 +304,10 @@ impl Program {
 }
 
 /// Damping of a cone's rows, as a part of their own diagonal entry.
-const CONE_DAMPING: f32 = 1e-6;
+const CONE_DAMPING: f64 = 1e-6;
 
 impl Line {
-    fn new(row: Row, least: f32, is_exact: bool, softness: f32) -> Self {
+    fn new(row: Wide, least: f64, is_exact: bool, softness: f64) -> Self {
         Self {
             row,
             least,
@@ -308,14 +329,20 @@ fn difference(a: &[f32], b: &[f32]) -> Row {
     row
 }
 
-fn padded(angles: &[f32]) -> Row {
+fn padded(angles: &[f32]) -> Wide {
     let mut row = [0.0; CHAIN_HINGES_MAX];
-    row[..angles.len()].copy_from_slice(angles);
+    for (slot, &angle) in row.iter_mut().zip(angles) {
+        *slot = f64::from(angle);
+    }
     row
 }
 
+fn widened(row: &Row) -> Wide {
+    row.map(f64::from)
+}
+
 /// Eight sums side by side, then one fixed tree.
-fn product(a: &Row, b: &Row) -> f32 {
+fn product(a: &Wide, b: &Wide) -> f64 {
     const HALF: usize = CHAIN_HINGES_MAX / 2;
     let mut s = [0.0; HALF];
     for k in 0..HALF {
@@ -326,8 +353,8 @@ fn product(a: &Row, b: &Row) -> f32 {
 
 /// Solves a symmetric positive definite system in place (Cholesky without roots).
 fn solve_symmetric(
-    matrix: &mut [[f32; ROWS_MAX]; ROWS_MAX],
-    right: &mut [f32; ROWS_MAX],
+    matrix: &mut [[f64; ROWS_MAX]; ROWS_MAX],
+    right: &mut [f64; ROWS_MAX],
     count: usize,
 ) {
     for i in 0..count {
