@@ -45,7 +45,8 @@ impl Goal {
     /// Whether the goal has to be met.
     #[must_use]
     pub fn is_hard(&self) -> bool {
-        !(self.softness > 0.0)
+        let is_soft = self.softness > 0.0;
+        !is_soft
     }
 
     /// What missing a soft goal costs, in rad2; nothing for a hard one.

@@ -2,7 +2,7 @@
 //!
 //! Least sum of squared changes from the tracked angles, and what missing the soft goals costs, subject
 //! to the hard goals' planes, the joint limits and the reach cones: sequential quadratic programming
-//! with goals and cones linearised, see [`program`]. A step is taken only if it gets nearer to the
+//! with goals and cones linearised. A step is taken only if it gets nearer to the
 //! goals, or, with the goals met, lowers the cost; it is halved otherwise.
 //!
 //! The first step starts from the tracked angles. Where it misses, because the planes of the goals bend
@@ -11,7 +11,7 @@
 //! side. Once the goals are met, steps pull toward the tracked angles again.
 //!
 //! Contacts push shoulders, whose radius is the whole arm: second derivatives count, and are used where
-//! they do. Where a step gains little all the same, one joint is turned alone, see [`alone`].
+//! they do. Where a step gains little all the same, one joint is turned alone.
 //!
 //! Newton's method stalls at a straight arm whose goal is toward its shoulder, at joints on their limits
 //! and out of reach. It is damped more when a step fails (Levenberg 1944). Where exact goals still are
@@ -144,10 +144,9 @@ fn descend(task: &Task, spot: &mut Spot, steps: u32, patient: bool) -> u32 {
             break;
         }
     }
-    if let Some(before) = cheapest {
-        if !spot.is_met || before.cost <= spot.cost {
-            *spot = before;
-        }
+    let is_worse = |before: &Spot| !spot.is_met || before.cost <= spot.cost;
+    if let Some(before) = cheapest.filter(is_worse) {
+        *spot = before;
     }
     used
 }

@@ -14,6 +14,7 @@ use arrayvec::ArrayVec;
 
 use super::TURN_MAX;
 use super::spot::Spot;
+use crate::geometry::chain::Hinge;
 use crate::limits::{CHAIN_GOALS_MAX, CHAIN_HINGES_MAX};
 use crate::math;
 use crate::reach::goal::{Angles, CHAIN_BALLS_MAX, Row, Task};
@@ -174,7 +175,7 @@ impl Program {
                     line.least += gain * f64::from((share - 1.0) / part);
                 }
             }
-            if !(most > BEND_MIN * task.tolerance_m) {
+            if most <= BEND_MIN * task.tolerance_m {
                 return;
             }
             self.stiffen(&curved, &spot.q);
@@ -229,17 +230,7 @@ impl Program {
             let mut changed = false;
             let pulled = self.pulled();
             for (index, hinge) in task.hinges.iter().enumerate().take(self.joints) {
-                let kept = |angle: f64| {
-                    let (low, high) = (f64::from(hinge.low_rad), f64::from(hinge.high_rad));
-                    if angle < low {
-                        low
-                    } else if angle > high {
-                        high
-                    } else {
-                        angle
-                    }
-                };
-                self.y[index] = kept(pulled[index]);
+                self.y[index] = kept(hinge, pulled[index]);
                 let is_free = if self.y[index] == pulled[index] {
                     1.0
                 } else {
@@ -335,6 +326,18 @@ fn padded(angles: &[f32]) -> Wide {
         *slot = f64::from(angle);
     }
     row
+}
+
+/// [`Hinge::kept`] in f64.
+fn kept(hinge: &Hinge, angle: f64) -> f64 {
+    let (low, high) = (f64::from(hinge.low_rad), f64::from(hinge.high_rad));
+    if angle > high {
+        high
+    } else if angle >= low {
+        angle
+    } else {
+        low
+    }
 }
 
 fn widened(row: &Row) -> Wide {
