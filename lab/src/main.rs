@@ -60,7 +60,7 @@ enum Measured {
     /// Inverse kinematics: goals met, nearness to the optimum, limits, drift and time.
     Reach {
         /// Cases in each class; pushes of the arm are ten times as many.
-        #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+        #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
         cases: u32,
         /// Seed of all cases.
         #[arg(long, default_value_t = 1)]

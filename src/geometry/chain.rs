@@ -82,27 +82,7 @@ impl Ball {
     /// At the poles, b = +-90 degrees, every a will do, and the chain's is kept.
     #[must_use]
     pub fn aimed(&self, limb: Vec3, angles: &[f32]) -> [[f32; BALL_HINGES]; 2] {
-        let [a_now, b_now, twist] = self.own(angles).unwrap_or_default();
-        let across = math::sqrt(limb.y * limb.y + limb.z * limb.z);
-        let b = math::atan2(limb.x, across);
-        let a = if across > POLE_SINE {
-            math::atan2(-limb.y, limb.z)
-        } else if math::cos(b_now) < 0.0 {
-            a_now - PI
-        } else {
-            a_now
-        };
-        let pairs = [(a, b), (a + PI, PI - b)];
-        let pairs = pairs.map(|(a, b)| (turns_nearest(a, a_now), turns_nearest(b, b_now)));
-        let far = |(a, b): (f32, f32)| (a - a_now) * (a - a_now) + (b - b_now) * (b - b_now);
-        let swapped = far(pairs[1]) < far(pairs[0]);
-        let (near, other) = if swapped {
-            (pairs[1], pairs[0])
-        } else {
-            (pairs[0], pairs[1])
-        };
-        let flipped = if twist > 0.0 { twist - PI } else { twist + PI };
-        [[near.0, near.1, twist], [other.0, other.1, flipped]]
+        aimed_from(limb, self.own(angles).unwrap_or_default())
     }
 
     /// Takes the limb to the nearest direction that the cone allows, at angles of the whole chain. What
@@ -140,17 +120,30 @@ impl Ball {
             if self.cone.outside_rad(limb) <= BOUNDARY_RAD {
                 return true;
             }
-            let both = self.aimed(self.cone.nearest(limb), angles);
-            let fits = both.into_iter().find(|own| clamped(*own) == *own);
+            let nearest = self.cone.nearest(limb);
+            let both = self.aimed(nearest, angles);
+            // Whole turns off, the angles may be within the ranges.
+            let others = aimed_from(nearest, self.middle(own_hinges, angles));
+            let mut all = both.into_iter().chain(others);
+            let fits = all.find(|own| clamped(*own) == *own);
             self.place(angles, fits.unwrap_or(clamped(both[0])));
         }
         self.outside_rad(angles) <= BOUNDARY_RAD
     }
 
-    /// The point that sees all of the cone, within the hinges' ranges.
+    /// The middle of the first two hinges' ranges, and the twist.
+    fn middle(&self, own_hinges: &[Hinge], angles: &[f32]) -> [f32; BALL_HINGES] {
+        let mut own = self.own(angles).unwrap_or_default();
+        for (angle, hinge) in own.iter_mut().zip(own_hinges).take(BALL_HINGES - 1) {
+            *angle = 0.5 * (math::max(hinge.low_rad, -TAU) + math::min(hinge.high_rad, TAU));
+        }
+        own
+    }
+
+    /// Takes the limb to the point that sees all of the cone, or as near as the hinges' ranges allow.
     pub fn rest(&self, hinges: &[Hinge], angles: &mut [f32]) {
-        let both = self.aimed(self.cone.visible(), angles);
         let own_hinges = hinges.get(self.first..).unwrap_or_default();
+        let both = aimed_from(self.cone.visible(), self.middle(own_hinges, angles));
         let off = |own: &[f32; BALL_HINGES]| {
             let off = own.iter().zip(own_hinges);
             off.map(|(&q, hinge)| (q - hinge.kept(q)).abs())
@@ -221,6 +214,30 @@ impl Ball {
         walls.extend(math::direction(other).filter(|_| is_convex));
         walls
     }
+}
+
+/// See [`Ball::aimed`].
+fn aimed_from(limb: Vec3, [a_now, b_now, twist]: [f32; BALL_HINGES]) -> [[f32; BALL_HINGES]; 2] {
+    let across = math::sqrt(limb.y * limb.y + limb.z * limb.z);
+    let b = math::atan2(limb.x, across);
+    let a = if across > POLE_SINE {
+        math::atan2(-limb.y, limb.z)
+    } else if math::cos(b_now) < 0.0 {
+        a_now - PI
+    } else {
+        a_now
+    };
+    let pairs = [(a, b), (a + PI, PI - b)];
+    let pairs = pairs.map(|(a, b)| (turns_nearest(a, a_now), turns_nearest(b, b_now)));
+    let far = |(a, b): (f32, f32)| (a - a_now) * (a - a_now) + (b - b_now) * (b - b_now);
+    let swapped = far(pairs[1]) < far(pairs[0]);
+    let (near, other) = if swapped {
+        (pairs[1], pairs[0])
+    } else {
+        (pairs[0], pairs[1])
+    };
+    let flipped = if twist > 0.0 { twist - PI } else { twist + PI };
+    [[near.0, near.1, twist], [other.0, other.1, flipped]]
 }
 
 /// How often cone and hinges are asked in turn.

@@ -45,7 +45,8 @@ impl Goal {
     /// Whether the goal has to be met.
     #[must_use]
     pub fn is_hard(&self) -> bool {
-        self.softness <= 0.0 || self.softness.is_nan()
+        let is_soft = self.softness > 0.0;
+        !is_soft
     }
 
     /// What missing a soft goal costs, in rad2; nothing for a hard one.
@@ -78,6 +79,23 @@ impl Goal {
         } else {
             math::max(-above, 0.0)
         }
+    }
+
+    /// How far the height stays behind its tangent when the joints turn, to second order, in metres, and
+    /// minus the height's second derivative by each angle, in m/rad2.
+    pub(super) fn bends(&self, posture: &Posture, turned: &Row) -> (f32, Row) {
+        let at = self.at(posture);
+        let (mut spin, mut sum) = (Vec3::ZERO, Vec3::ZERO);
+        let mut curvature = [0.0; CHAIN_HINGES_MAX];
+        let moving = posture.iter().take(self.link.saturating_add(1));
+        for (joint, Placed { origin, axis, .. }) in moving.enumerate() {
+            let by = axis.cross(at - *origin);
+            let own = *axis * turned[joint];
+            sum += (2.0 * spin + own).cross(by * turned[joint]);
+            spin += own;
+            curvature[joint] = -self.normal.dot(axis.cross(by));
+        }
+        (-0.5 * self.normal.dot(sum), curvature)
     }
 
     pub(super) fn row(&self, posture: &Posture) -> Row {

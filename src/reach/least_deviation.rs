@@ -2,7 +2,7 @@
 //!
 //! Least sum of squared changes from the tracked angles, and what missing the soft goals costs, subject
 //! to the hard goals' planes, the joint limits and the reach cones: sequential quadratic programming
-//! with goals and cones linearised, see [`program`]. A step is taken only if it gets nearer to the
+//! with goals and cones linearised. A step is taken only if it gets nearer to the
 //! goals, or, with the goals met, lowers the cost; it is halved otherwise.
 //!
 //! The first step starts from the tracked angles. Where it misses, because the planes of the goals bend
@@ -10,12 +10,16 @@
 //! goals alone, which converges where further steps from the tracked angles would swing from side to
 //! side. Once the goals are met, steps pull toward the tracked angles again.
 //!
+//! Contacts push shoulders, whose radius is the whole arm: second derivatives count, and are used where
+//! they do. Where a step gains little all the same, one joint is turned alone.
+//!
 //! Newton's method stalls at a straight arm whose goal is toward its shoulder, at joints on their limits
 //! and out of reach. It is damped more when a step fails (Levenberg 1944). Where exact goals still are
 //! not met it begins again from the middle of the ranges and from fixed postures, [`RESTARTS_MAX`]
 //! times. The nearest posture is kept. Pushes, which any frame may ask for, are not restarted: they
 //! would make a chain jump.
 
+mod alone;
 mod program;
 mod spot;
 
@@ -23,6 +27,7 @@ pub use program::PASSES_MAX;
 
 use super::goal::{Angles, Reached, Task};
 use crate::math;
+use alone::turned_alone;
 use program::Program;
 use spot::Spot;
 
@@ -35,9 +40,14 @@ const TURN_MIN: f32 = 1e-4;
 /// How often a step is halved.
 const HALVINGS_MAX: u32 = 4;
 
+/// Where a step leaves more than this part of the squared shortfall, one joint is tried alone.
+const LAG: f32 = 0.5;
+
 /// Damping of a step, as a part of the largest entry of its matrix's diagonal: least, first after a
 /// failure, most, and by what factor it grows and shrinks.
 const DAMPING: f32 = 1e-6;
+/// Soft goals bear on hard ones with forces of 1e4, which times the damping is what these give way.
+const DAMPING_SOFT: f32 = 1e-11;
 const DAMPING_RAISED: f32 = 1e-3;
 const DAMPING_MAX: f32 = 1.0;
 const DAMPING_FACTOR: f32 = 10.0;
@@ -48,30 +58,34 @@ pub const RESTARTS_MAX: u32 = 3;
 /// With fewer steps left no search begins again.
 const RESTART_STEPS_MIN: u32 = 6;
 
-/// Of so many steps, the missed distance is to fall to half at least, or the search begins again.
+/// In so many steps the missed distance is to fall to half, or the search begins again.
 const STALL_STEPS: u32 = 4;
 
 /// Takes up to `steps` steps from `angles`, which stay within the limits.
 ///
-/// A step is one linearisation, at most [`PASSES_MAX`] factorisations of a matrix with as many rows as
-/// goals and two for each ball, and at most five forward kinematics. With all goals met at the tracked
-/// angles none is taken. Fewer than six steps left mean no restart.
+/// A step is one linearisation, at most three times [`PASSES_MAX`] factorisations of a matrix with as
+/// many rows as goals and two for each ball, and at most six forward kinematics; near the goals it is one
+/// solution and one forward kinematics. With all goals met at the tracked angles no step is taken. Fewer
+/// than six steps left mean no restart.
 pub fn least_deviation(task: &Task, angles: &mut [f32], steps: u32) -> Reached {
     let mut best = Spot::new(task, task.start(angles));
     let mut used = 0;
     if !(best.is_met && best.cost == 0.0) {
-        used = descend(task, &mut best, steps);
+        used = descend(task, &mut best, steps, false);
         let mut restart = 0;
         while restart < RESTARTS_MAX
             && steps - used >= RESTART_STEPS_MIN
             && best.misses_exactly(task)
         {
             let mut other = Spot::new(task, restarted(task, best.q.len(), restart));
-            used += descend(task, &mut other, steps - used);
+            used += descend(task, &mut other, steps - used, false);
             if other.is_met || other.shortfall < best.shortfall {
                 best = other;
             }
             restart += 1;
+        }
+        if restart > 0 && !best.is_met {
+            used += descend(task, &mut best, steps - used, true);
         }
     }
     for (angle, &found) in angles.iter_mut().zip(&best.q) {
@@ -83,16 +97,21 @@ pub fn least_deviation(task: &Task, angles: &mut [f32], steps: u32) -> Reached {
     }
 }
 
-/// Steps from a spot until nothing is gained; how many there were.
-fn descend(task: &Task, spot: &mut Spot, steps: u32) -> u32 {
-    let mut damping = DAMPING;
+/// Steps from a spot until nothing is gained; how many there were. Unless it is `patient`, it ends where
+/// exact goals come nearer too slowly, if steps are left to begin again.
+fn descend(task: &Task, spot: &mut Spot, steps: u32, patient: bool) -> u32 {
+    let least_damping = if spot.is_soft { DAMPING_SOFT } else { DAMPING };
+    let mut damping = least_damping;
     let mut used = 0;
     let (mut mark, mut since) = (spot.shortfall, 0);
+    // Where the goals were last met before a step left them.
+    let mut cheapest: Option<Spot> = None;
     while used < steps {
         used += 1;
         let was_met = spot.is_met;
         let mut program = Program::new(task, spot, used > 1 && !was_met, damping);
         program.solve(task);
+        program.bend(task, spot);
         let Some(next) = guarded(task, spot, &program) else {
             if was_met || damping >= DAMPING_MAX {
                 break;
@@ -101,8 +120,12 @@ fn descend(task: &Task, spot: &mut Spot, steps: u32) -> u32 {
             continue;
         };
         let turned = most_turned(&spot.q, &next.q);
-        *spot = next;
-        damping = math::max(damping / DAMPING_FACTOR, DAMPING);
+        if was_met && !next.is_met {
+            cheapest = Some(core::mem::replace(spot, next));
+        } else {
+            *spot = next;
+        }
+        damping = math::max(damping / DAMPING_FACTOR, least_damping);
         if spot.is_met && was_met && turned <= TURN_MIN {
             break;
         }
@@ -110,9 +133,20 @@ fn descend(task: &Task, spot: &mut Spot, steps: u32) -> u32 {
         if spot.shortfall < 0.25 * mark {
             (mark, since) = (spot.shortfall, 0);
         }
-        if since >= STALL_STEPS && steps - used >= RESTART_STEPS_MIN && spot.misses_exactly(task) {
+        let stalls = !patient && since >= STALL_STEPS && steps - used >= RESTART_STEPS_MIN;
+        if stalls && spot.misses_exactly(task) {
             break;
         }
+        if cheapest
+            .as_ref()
+            .is_some_and(|before| spot.is_met && spot.cost >= before.cost)
+        {
+            break;
+        }
+    }
+    let is_worse = |before: &Spot| !spot.is_met || before.cost <= spot.cost;
+    if let Some(before) = cheapest.filter(is_worse) {
+        *spot = before;
     }
     used
 }
@@ -125,7 +159,7 @@ fn most_turned(from: &Angles, to: &[f32]) -> f32 {
 /// The longest part of the way to a program's angles that is worth going, as a spot.
 fn guarded(task: &Task, spot: &Spot, program: &Program) -> Option<Spot> {
     let next = program.angles();
-    let most = most_turned(&spot.q, next);
+    let most = most_turned(&spot.q, &next);
     let mut share = if most > TURN_MAX {
         TURN_MAX / most
     } else {
@@ -140,16 +174,25 @@ fn guarded(task: &Task, spot: &Spot, program: &Program) -> Option<Spot> {
                 a + (b - a) * share
             }
         };
-        let mut trial: Angles = spot.q.iter().zip(next).map(part).collect();
-        if task.admit(&mut trial) {
-            let trial = Spot::new(task, trial);
-            if trial.betters(spot, penalty) {
-                return Some(trial);
-            }
+        let trial = spot.q.iter().zip(&next).map(part).collect();
+        if let Some(trial) = worth(task, spot, trial, penalty) {
+            let lags = !trial.is_met && trial.shortfall > LAG * spot.shortfall;
+            let alone = turned_alone(task, spot).filter(|_| lags);
+            let alone = alone.and_then(|q| worth(task, &trial, q, penalty));
+            return Some(alone.unwrap_or(trial));
         }
         share *= 0.5;
     }
-    None
+    worth(task, spot, turned_alone(task, spot)?, penalty)
+}
+
+/// The spot at some angles taken into the limits, if it is worth going there.
+fn worth(task: &Task, spot: &Spot, mut q: Angles, penalty: f32) -> Option<Spot> {
+    if !task.admit(&mut q) {
+        return None;
+    }
+    let found = Spot::new(task, q);
+    found.betters(spot, penalty).then_some(found)
 }
 
 /// Angles to begin again from: the middle of the ranges, then two fixed ones in the middle halves.

@@ -6,15 +6,20 @@
 //! ranges. Which rows press and which joints are at their limits is found by the primal-dual active set
 //! method (Hintermueller, Ito and Kunisch 2002: for these programs a Newton method), at most
 //! [`PASSES_MAX`] times a small factorisation.
+//!
+//! Heights bend: a shoulder's by as much as the arm is long. Where that matters the program is solved
+//! twice more, see [`Program::bend`].
 
 use arrayvec::ArrayVec;
 
+use super::TURN_MAX;
 use super::spot::Spot;
+use crate::geometry::chain::Hinge;
 use crate::limits::{CHAIN_GOALS_MAX, CHAIN_HINGES_MAX};
 use crate::math;
-use crate::reach::goal::{CHAIN_BALLS_MAX, Row, Task};
+use crate::reach::goal::{Angles, CHAIN_BALLS_MAX, Row, Task};
 
-/// Most factorisations in one step.
+/// Most factorisations in one solution of a step's program, of which there are at most three.
 pub const PASSES_MAX: u32 = 7;
 
 /// Most rows: goals, and two edges of each ball's cone.
@@ -26,27 +31,55 @@ const PENALTY_FACTOR: f32 = 1.5;
 
 type Rows<T> = ArrayVec<T, ROWS_MAX>;
 
+/// Soft goals of 1e-5 m2/rad2 against hard ones mean forces of 1e4 that cancel: f32 would not do.
+type Wide = [f64; CHAIN_HINGES_MAX];
+
+/// Goals that bend away by no more than this part of the tolerance are taken for straight.
+const BEND_MIN: f32 = 0.25;
+
+/// Most that second derivatives stiffen a joint, the pull toward its tracked angle being one.
+const SPRING_MAX: f32 = 10.0;
+
+/// Most that is asked for where a goal bends away, as a part of what is needed.
+const LEAD_MAX: f32 = 2.0;
+
+/// What to ask for of a height that falls short of its tangent by `short` of the step asked for: the
+/// lesser t with t - short t2 = 1.
+fn lead(short: f32) -> f32 {
+    if short.abs() < 1e-3 {
+        1.0 + short
+    } else if short < 0.25 {
+        (1.0 - math::sqrt(1.0 - 4.0 * short)) / (2.0 * short)
+    } else {
+        LEAD_MAX
+    }
+}
+
 /// One linearised goal or edge.
 struct Line {
-    row: Row,
-    least: f32,
+    row: Wide,
+    least: f64,
     is_exact: bool,
-    softness: f32,
+    softness: f64,
     /// The row's product with itself and its softness: what a unit of force does to it.
-    stiffness: f32,
+    stiffness: f64,
     /// What is added to the diagonal of the matrix.
-    added: f32,
+    added: f64,
     /// The multiplier.
-    force: f32,
+    force: f64,
     presses: bool,
 }
 
 pub(super) struct Program {
     lines: Rows<Line>,
     /// The angles that the change is least from, zero beyond the joints.
-    reference: Row,
-    y: Row,
+    reference: Wide,
+    y: Wide,
     joints: usize,
+    /// The reference before springs are added.
+    tracked: Wide,
+    /// How far a unit of force turns each joint.
+    give: Wide,
 }
 
 impl Program {
@@ -65,27 +98,31 @@ impl Program {
             reference,
             y: reference,
             joints,
+            tracked: reference,
+            give: [1.0; CHAIN_HINGES_MAX],
         };
         let mut largest = 0.0;
         for goal in task.used_goals() {
             let row = goal.row(&spot.placed);
             let softness = if goal.is_hard() { 0.0 } else { goal.softness };
-            let least = product(&row, &q) - goal.above_m(&spot.placed);
-            let line = Line::new(row, least, goal.is_exact, softness);
+            let row = widened(&row);
+            let least = product(&row, &q) - f64::from(goal.above_m(&spot.placed));
+            let line = Line::new(row, least, goal.is_exact, f64::from(softness));
             if goal.is_hard() {
-                largest = math::max(line.stiffness, largest);
+                largest = math::max_f64(line.stiffness, largest);
             }
             new.lines.push(line);
         }
         for line in &mut new.lines {
-            line.added = line.softness + damping * largest + f32::MIN_POSITIVE;
+            line.added =
+                line.softness + f64::from(damping) * largest + f64::from(f32::MIN_POSITIVE);
         }
         new.add_cones(task, spot, &q);
         new.choose();
         new
     }
 
-    fn add_cones(&mut self, task: &Task, spot: &Spot, q: &Row) {
+    fn add_cones(&mut self, task: &Task, spot: &Spot, q: &Wide) {
         for ball in task.used_balls() {
             if ball.first.saturating_add(2) >= self.joints {
                 continue;
@@ -94,25 +131,81 @@ impl Program {
             let [by_a, by_b] = ball.limb_slopes(&spot.q);
             for normal in ball.walls(limb) {
                 let mut row = [0.0; CHAIN_HINGES_MAX];
-                row[ball.first] = normal.dot(by_a);
-                row[ball.first + 1] = normal.dot(by_b);
-                let least = product(&row, q) - normal.dot(limb);
+                row[ball.first] = f64::from(normal.dot(by_a));
+                row[ball.first + 1] = f64::from(normal.dot(by_b));
+                let least = product(&row, q) - f64::from(normal.dot(limb));
                 let mut line = Line::new(row, least, false, 0.0);
-                line.added = CONE_DAMPING * line.stiffness + f32::MIN_POSITIVE;
+                line.added = CONE_DAMPING * line.stiffness + f64::from(f32::MIN_POSITIVE);
                 self.lines.push(line);
             }
         }
     }
 
+    /// Solves again with second derivatives, where goals bend away by more than a part of the tolerance:
+    /// joints along which the pressing goals bend give way less, and then as much more is asked for as
+    /// the goals bend away from their tangents.
+    ///
+    /// Of the Hessian of the Lagrangian the diagonal is kept, where it is positive.
+    pub(super) fn bend(&mut self, task: &Task, spot: &Spot) {
+        for leads in [false, true] {
+            let mut turned = difference(&self.angles(), &spot.q);
+            let widest = turned.iter().map(|x| x.abs()).fold(0.0, math::max);
+            let part = if widest > TURN_MAX {
+                TURN_MAX / widest
+            } else {
+                1.0
+            };
+            for turned in &mut turned {
+                *turned *= part;
+            }
+            let mut most = 0.0;
+            let mut curved = [0.0; CHAIN_HINGES_MAX];
+            for (line, goal) in self.lines.iter_mut().zip(task.used_goals()) {
+                if !line.presses {
+                    continue;
+                }
+                let (short_m, curvature) = goal.bends(&spot.placed, &turned);
+                most = math::max(short_m.abs(), most);
+                for (sum, c) in curved.iter_mut().zip(&curvature) {
+                    *sum += part * line.force as f32 * c;
+                }
+                if leads && line.softness == 0.0 {
+                    let gain = product(&line.row, &widened(&turned));
+                    let share = lead((f64::from(short_m) / gain) as f32);
+                    line.least += gain * f64::from((share - 1.0) / part);
+                }
+            }
+            if most <= BEND_MIN * task.tolerance_m {
+                return;
+            }
+            self.stiffen(&curved, &spot.q);
+            self.solve(task);
+        }
+    }
+
+    /// Adds a spring to each joint that holds it where it is.
+    fn stiffen(&mut self, curved: &Row, q: &Angles) {
+        for (joint, q) in q.iter().enumerate() {
+            let spring = math::clamp(curved[joint], 0.0, SPRING_MAX);
+            let spring = f64::from(spring);
+            self.give[joint] = 1.0 / (1.0 + spring);
+            let pulled = self.tracked[joint] + spring * f64::from(*q);
+            self.reference[joint] = pulled * self.give[joint];
+        }
+    }
+
     /// The angles found.
-    pub(super) fn angles(&self) -> &[f32] {
-        &self.y[..self.joints]
+    pub(super) fn angles(&self) -> Angles {
+        self.y[..self.joints].iter().map(|&y| y as f32).collect()
     }
 
     /// What missing a metre of the hard goals is to cost, in rad2.
     pub(super) fn penalty(&self) -> f32 {
         let hard = self.lines.iter().filter(|line| line.softness == 0.0);
-        PENALTY_FACTOR * hard.map(|line| line.force.abs()).fold(0.0, math::max)
+        PENALTY_FACTOR
+            * hard
+                .map(|line| line.force.abs() as f32)
+                .fold(0.0, math::max)
     }
 
     /// The rows that press: exact ones, those with a force and those that are not met. Whether that
@@ -137,7 +230,7 @@ impl Program {
             let mut changed = false;
             let pulled = self.pulled();
             for (index, hinge) in task.hinges.iter().enumerate().take(self.joints) {
-                self.y[index] = hinge.kept(pulled[index]);
+                self.y[index] = kept(hinge, pulled[index]);
                 let is_free = if self.y[index] == pulled[index] {
                     1.0
                 } else {
@@ -154,11 +247,11 @@ impl Program {
     }
 
     /// Where the forces pull joints that have no limits.
-    fn pulled(&self) -> Row {
+    fn pulled(&self) -> Wide {
         let mut pulled = self.reference;
         for line in self.lines.iter().filter(|line| line.presses) {
-            for (angle, row) in pulled.iter_mut().zip(&line.row) {
-                *angle += row * line.force;
+            for j in 0..CHAIN_HINGES_MAX {
+                pulled[j] += line.row[j] * self.give[j] * line.force;
             }
         }
         pulled
@@ -166,15 +259,15 @@ impl Program {
 
     /// The forces with which the pressing rows hold, the joints that are not free staying where they
     /// are.
-    fn balance(&mut self, free: &Row) {
+    fn balance(&mut self, free: &Wide) {
         let mut held = self.y;
         for (held, (&free, &reference)) in held.iter_mut().zip(free.iter().zip(&self.reference)) {
             if free != 0.0 {
                 *held = reference;
             }
         }
-        let mut matrix = [[0.0_f32; ROWS_MAX]; ROWS_MAX];
-        let mut right = [0.0_f32; ROWS_MAX];
+        let mut matrix = [[0.0_f64; ROWS_MAX]; ROWS_MAX];
+        let mut right = [0.0_f64; ROWS_MAX];
         let pressing: Rows<usize> = (0..self.lines.len())
             .filter(|&index| self.lines[index].presses)
             .collect();
@@ -182,8 +275,8 @@ impl Program {
             let line = &self.lines[index];
             right[i] = line.least - product(&line.row, &held);
             let mut moved = line.row;
-            for (moved, free) in moved.iter_mut().zip(free) {
-                *moved *= free;
+            for j in 0..CHAIN_HINGES_MAX {
+                moved[j] *= free[j] * self.give[j];
             }
             for (j, &other) in pressing.iter().enumerate().take(i + 1) {
                 matrix[i][j] = product(&moved, &self.lines[other].row);
@@ -202,10 +295,10 @@ impl Program {
 }
 
 /// Damping of a cone's rows, as a part of their own diagonal entry.
-const CONE_DAMPING: f32 = 1e-6;
+const CONE_DAMPING: f64 = 1e-6;
 
 impl Line {
-    fn new(row: Row, least: f32, is_exact: bool, softness: f32) -> Self {
+    fn new(row: Wide, least: f64, is_exact: bool, softness: f64) -> Self {
         Self {
             row,
             least,
@@ -219,14 +312,40 @@ impl Line {
     }
 }
 
-fn padded(angles: &[f32]) -> Row {
+fn difference(a: &[f32], b: &[f32]) -> Row {
     let mut row = [0.0; CHAIN_HINGES_MAX];
-    row[..angles.len()].copy_from_slice(angles);
+    for (slot, (a, b)) in row.iter_mut().zip(a.iter().zip(b)) {
+        *slot = a - b;
+    }
     row
 }
 
+fn padded(angles: &[f32]) -> Wide {
+    let mut row = [0.0; CHAIN_HINGES_MAX];
+    for (slot, &angle) in row.iter_mut().zip(angles) {
+        *slot = f64::from(angle);
+    }
+    row
+}
+
+/// [`Hinge::kept`] in f64.
+fn kept(hinge: &Hinge, angle: f64) -> f64 {
+    let (low, high) = (f64::from(hinge.low_rad), f64::from(hinge.high_rad));
+    if angle > high {
+        high
+    } else if angle >= low {
+        angle
+    } else {
+        low
+    }
+}
+
+fn widened(row: &Row) -> Wide {
+    row.map(f64::from)
+}
+
 /// Eight sums side by side, then one fixed tree.
-fn product(a: &Row, b: &Row) -> f32 {
+fn product(a: &Wide, b: &Wide) -> f64 {
     const HALF: usize = CHAIN_HINGES_MAX / 2;
     let mut s = [0.0; HALF];
     for k in 0..HALF {
@@ -237,8 +356,8 @@ fn product(a: &Row, b: &Row) -> f32 {
 
 /// Solves a symmetric positive definite system in place (Cholesky without roots).
 fn solve_symmetric(
-    matrix: &mut [[f32; ROWS_MAX]; ROWS_MAX],
-    right: &mut [f32; ROWS_MAX],
+    matrix: &mut [[f64; ROWS_MAX]; ROWS_MAX],
+    right: &mut [f64; ROWS_MAX],
     count: usize,
 ) {
     for i in 0..count {

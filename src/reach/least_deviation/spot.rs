@@ -23,6 +23,8 @@ pub(super) struct Spot {
     pub(super) cost: f32,
     /// Sum of what hard goals are missed by, in metres.
     missed_sum_m: f32,
+    /// Whether the task has soft goals.
+    pub(super) is_soft: bool,
 }
 
 impl Spot {
@@ -48,6 +50,7 @@ impl Spot {
             shortfall: squares,
             cost,
             missed_sum_m: sum,
+            is_soft: task.used_goals().iter().any(|goal| !goal.is_hard()),
         }
     }
 
@@ -59,12 +62,14 @@ impl Spot {
     }
 
     /// Whether this is worth going to from another spot: it meets the goals, or comes nearer to them;
-    /// from goals met, it costs less with them met, a metre missed counting `penalty` rad2.
+    /// from goals met, it costs less with them met, a metre missed counting `penalty` rad2. Soft goals
+    /// are strong springs, along which steps leave the hard ones a little: there the cost decides alone,
+    /// and the next step mends the rest.
     pub(super) fn betters(&self, other: &Self, penalty: f32) -> bool {
         if !other.is_met {
             return self.is_met || self.shortfall < other.shortfall * (1.0 - GAIN_MIN);
         }
         let merit = |spot: &Self| spot.cost + penalty * spot.missed_sum_m;
-        self.is_met && merit(self) < merit(other) * (1.0 - CHEAPER_MIN)
+        (self.is_met || self.is_soft) && merit(self) < merit(other) * (1.0 - CHEAPER_MIN)
     }
 }

@@ -127,6 +127,9 @@ fn ball_arm() -> Chain {
         };
     }
     hinges[0].rest = Pose::new(turned, Vec3::ZERO);
+    // The middle hinge stays short of its poles: each direction of the limb has one pair of angles.
+    hinges[1].low_rad = -0.5 * PI;
+    hinges[1].high_rad = 0.5 * PI;
     hinges[2].low_rad = -1.5;
     hinges[2].high_rad = 1.5;
     // From the limb's frame to the arm's, whose limb is -Y.

@@ -166,8 +166,8 @@ fn heading(area: &Area, accuracy: &ReachAccuracy, across: Across) -> Drawn {
     Ok(())
 }
 
-/// From 0.1 µs to 10 ms.
-const TIME_DECADES: (f64, f64) = (-1.0, 4.0);
+/// From 1 µs to 1 ms.
+const TIME_DECADES: (f64, f64) = (0.0, 3.0);
 
 fn x_share(across: Across, place: usize, time_ns: f64) -> f64 {
     match across {
@@ -194,7 +194,7 @@ fn panel(area: &Area, at: Spot, title: &str, curves: &[Curve], across: Across) -
         Across::Steps => (0..STEPS.len())
             .map(|i| (x_share(across, i, 0.0), STEPS[i].to_string()))
             .collect(),
-        Across::Time => [0.1, 1.0, 10.0, 100.0, 1000.0, 10000.0]
+        Across::Time => [1.0, 10.0, 100.0, 1000.0]
             .map(|us: f64| (x_share(across, 0, 1e3 * us), us.to_string()))
             .into(),
     };
