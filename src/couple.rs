@@ -13,7 +13,7 @@ use crate::math::{self, Pose, displacement_of};
 use crate::memory::ids::is_alive;
 use crate::state::State;
 use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, Tracker};
-use crate::state::chains::{ChainOptions, ChainReport, ball_at, joints_of, linkage, next_chain};
+use crate::state::chains::{ChainOptions, ball_at, joints_of, linkage, next_chain};
 use crate::state::pieces::Bounds;
 
 /// The spring's exact map over one time step: (x, v) -> (xx x + xv v, vx x + vv v).
@@ -123,8 +123,10 @@ fn couple_chains(state: &mut State, body: usize, dt_s: f32) {
         couple_angles(state, chain, left);
         if options.has(ChainOptions::HOLDS_TIP) {
             couple_tip(state, body, chain, left);
+        } else {
+            state.ways.tip[chain] = Vec3::ZERO;
         }
-        state.chains.report[chain] = ChainReport::default();
+        state.chains.report[chain].steps = 0;
         state.ways.held[chain] = 0;
         next = next_chain(state, chain);
     }

@@ -4,6 +4,8 @@
 //! much of it as is certified clear (5 advance), and again from there, until the body is where its
 //! coupling wants it, nothing is gained any more, or the budget is spent.
 
+mod settled;
+
 use glam::Vec3;
 
 use crate::frame::{Budget, FrameReport};
@@ -40,7 +42,14 @@ pub(crate) fn run(state: &mut State, budget: &Budget, report: &mut FrameReport) 
     for body in 0..state.registers.body_slots as usize {
         if is_body_of(state, body, BodyKind::Driven) {
             purses.units = Purse::new(left.min(ADVANCE_UNITS_MAX));
-            let flags = go(state, body, &mut purses);
+            let flags = if settled::is_settled(state, body) {
+                settled::repeat(state, body)
+            } else {
+                state.bodies.settled[body].first_contact = state.registers.contacts;
+                let flags = go(state, body, &mut purses);
+                settled::note(state, body, flags);
+                flags
+            };
             overlaps |= flags & DrivenReport::OVERLAPS;
             state.bodies.report[body].flags |= flags;
             report.flags |= frame_flags(flags);
@@ -61,6 +70,14 @@ pub(crate) fn run(state: &mut State, budget: &Budget, report: &mut FrameReport) 
 /// Whether a chain of a body was left without the steps that it asked for.
 fn is_reach_cut(state: &State, body: usize) -> bool {
     chains_of(state, body).any(|chain| state.chains.report[chain].flags & ChainReport::CUT != 0)
+}
+
+fn clear_chain_reports(state: &mut State, body: usize) {
+    let mut next = state.bodies.first_chain[body];
+    while let Some(chain) = next.checked_sub(1) {
+        state.chains.report[chain as usize] = ChainReport::default();
+        next = next_chain(state, chain as usize);
+    }
 }
 
 /// What driven bodies may spend.
@@ -136,6 +153,7 @@ fn snap(state: &mut State, body: usize, purse: &mut Purse) -> Option<u32> {
 
 /// Plans and walks the legs of one body's way; the flags to report.
 fn go(state: &mut State, body: usize, purses: &mut Purses) -> u32 {
+    clear_chain_reports(state, body);
     let start = Position {
         root: state.bodies.pose[body],
         local: 0.0,

@@ -189,6 +189,23 @@ impl DrivenReport {
     pub const CONTACTS_FULL: u32 = 1 << 7;
 }
 
+/// A frame in which a driven body did not move, though its tracker wants it elsewhere: what asked for it,
+/// and what was found. The same questions need not be asked again.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Settled {
+    /// One when all below holds.
+    pub is_settled: u32,
+    /// One when the body moved in the last frame.
+    pub moved: u32,
+    pub wanted: Pose,
+    /// Flags of the body's report.
+    pub flags: u32,
+    /// Where its contacts lie among those that the host can read.
+    pub first_contact: u32,
+    pub contacts: u32,
+}
+
 columns! {
     /// One entry for every body slot.
     pub(crate) struct Bodies(capacities) {
@@ -207,6 +224,7 @@ columns! {
         coupling: [Coupling; capacities.bodies],
         displacement: [Displacement; capacities.bodies],
         report: [DrivenReport; capacities.bodies],
+        settled: [Settled; capacities.bodies],
     }
 }
 

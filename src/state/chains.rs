@@ -104,6 +104,17 @@ impl ChainReport {
     pub const HELD: u32 = 1 << 3;
 }
 
+/// A question about a tip that was answered for good: more steps would not better it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct TipAsked {
+    pub tip: Pose,
+    pub base: Pose,
+    pub missed_m: f32,
+    /// One when the answer is in the targets.
+    pub is_answered: u32,
+}
+
 columns! {
     /// One entry for every chain slot.
     pub(crate) struct Chains(capacities) {
@@ -123,8 +134,13 @@ columns! {
         tip_seen: [Vec3; capacities.chains],
         /// One when it does, zero when the tracked angles say where the tip is.
         is_tip_seen: [u32; capacities.chains],
+        /// What [`crate::world::World::set_tip`] was asked last: the last link's pose, the base's, and
+        /// what came of it, in metres.
+        asked: [TipAsked; capacities.chains],
         /// Where the tracked tip was in the last frame.
         tip_tracked: [Vec3; capacities.chains],
+        /// Where the tip was wanted when the body last settled.
+        tip_settled: [Vec3; capacities.chains],
         /// How deep the chain was when it was last solved, in metres: the deepest is solved first.
         depth: [f32; capacities.chains],
     }
@@ -145,8 +161,12 @@ columns! {
         angle: [f32; capacities.joints],
         /// Where the tracker wants it.
         target: [f32; capacities.joints],
+        /// The posture that the last question about the tip kept near.
+        posture: [f32; capacities.joints],
         /// The target of the frame before.
         previous: [f32; capacities.joints],
+        /// The angle that was wanted when the body last settled.
+        settled: [f32; capacities.joints],
         /// How far contact holds the angle from its target.
         deviation: [f32; capacities.joints],
         /// Published pose of the link in the body's frame.
@@ -243,7 +263,9 @@ impl State<'_> {
         close(joints.ball, &gone, used);
         close(joints.angle, &gone, used);
         close(joints.target, &gone, used);
+        close(joints.posture, &gone, used);
         close(joints.previous, &gone, used);
+        close(joints.settled, &gone, used);
         close(joints.deviation, &gone, used);
         close(joints.link, &gone, used);
         close(joints.world, &gone, used);

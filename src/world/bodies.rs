@@ -9,7 +9,7 @@ use crate::memory::ids::free_slot;
 use crate::memory::{BodyId, PieceId};
 use crate::publish::place_pieces;
 use crate::state::bodies::{
-    BodyKind, BodyMass, Coupling, Displacement, DrivenReport, Momentum, Tracker,
+    BodyKind, BodyMass, Coupling, Displacement, DrivenReport, Momentum, Settled, Tracker,
 };
 use crate::state::pieces::PiecesOf;
 
@@ -97,6 +97,7 @@ impl World<'_> {
         bodies.coupling[slot] = def.coupling;
         bodies.displacement[slot] = Displacement::default();
         bodies.report[slot] = DrivenReport::default();
+        bodies.settled[slot] = Settled::default();
         let id = BodyId::new(slot, bodies.generation[slot]);
         bodies.first_chain[slot] = 0;
         self.state.registers.driven += u32::from(def.kind == BodyKind::Driven);
@@ -250,7 +251,10 @@ impl World<'_> {
         let pieces = &mut self.state.pieces;
         for (piece, pose) in PiecesOf::new(pieces.next, first).zip(poses) {
             if let Some(pose) = pose.normalised(WORLD_REACH_M) {
-                pieces.local_target[piece] = pose;
+                if pieces.local_target[piece] != pose {
+                    pieces.local_target[piece] = pose;
+                    self.state.bodies.settled[body].is_settled = 0;
+                }
             }
         }
         Ok(())

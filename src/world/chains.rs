@@ -13,7 +13,9 @@ use crate::publish::{place_pieces, place_published_links};
 use crate::reach::goal::{Goal, Task};
 use crate::reach::least_deviation::least_deviation;
 use crate::state::bodies::BodyKind;
-use crate::state::chains::{ChainOptions, ChainReport, cone_slot, joints_of, linkage};
+use crate::state::chains::{
+    ChainOptions, ChainReport, TipAsked, ball_at, cone_slot, joints_of, linkage,
+};
 use crate::state::pieces::{Groups, PiecesOf};
 
 /// What a chain is made from.
@@ -73,7 +75,7 @@ pub enum ChainError {
 }
 
 /// Steps that [`World::set_tip`] may take.
-pub const TIP_STEPS_MAX: u32 = 16;
+pub const TIP_STEPS_MAX: u32 = 4;
 
 /// Lever at which a tip's orientation counts like its place, in metres.
 const TIP_LEVER_M: f32 = 0.1;
@@ -119,6 +121,8 @@ impl World<'_> {
         chains.tip_offset[slot] = Vec3::ZERO;
         chains.tip_tracked[slot] = Vec3::ZERO;
         chains.is_tip_seen[slot] = 0;
+        chains.asked[slot] = TipAsked::default();
+        chains.tip_settled[slot] = Vec3::ZERO;
         chains.depth[slot] = 0.0;
         let id = ChainId::new(slot, chains.generation[slot]);
         self.store_joints(slot, def.joints);
@@ -218,7 +222,7 @@ impl World<'_> {
             joints.target[joint] = joints.hinge[joint].kept(joints.target[joint]);
         }
         for joint in range.clone() {
-            if let Some(ball) = crate::state::chains::ball_at(&self.state, joint, range.start) {
+            if let Some(ball) = ball_at(&self.state, joint, range.start) {
                 ball.kept(&mut self.state.joints.target[range.clone()]);
             }
         }
@@ -344,6 +348,7 @@ impl World<'_> {
             return Err(ChainError::BadOptions);
         }
         self.state.chains.options[chain] = *options;
+        self.wake_all();
         Ok(())
     }
 
@@ -363,6 +368,7 @@ impl World<'_> {
         }
         self.state.joints.target[joints].copy_from_slice(angles);
         self.state.chains.is_tip_seen[chain] = 0;
+        self.state.chains.asked[chain].is_answered = 0;
         self.keep_targets(chain);
         Ok(())
     }
@@ -396,6 +402,7 @@ impl World<'_> {
             return Err(ChainError::BadPose);
         }
         self.state.chains.is_tip_seen[chain] = 0;
+        self.state.chains.asked[chain].is_answered = 0;
         let mut before = self.target_base(chain).quat();
         let mut joint = joints.start;
         for pose in poses {
@@ -410,7 +417,7 @@ impl World<'_> {
 
     /// Takes the target angles of the joint at `joint` from its rotation; the joint behind it.
     fn extract(&mut self, joint: usize, first: usize, turn: Quat) -> usize {
-        let Some(ball) = crate::state::chains::ball_at(&self.state, joint, first) else {
+        let Some(ball) = ball_at(&self.state, joint, first) else {
             let axis = self.state.joints.hinge[joint].axis;
             let along = axis.dot(Vec3::new(turn.x, turn.y, turn.z));
             let angle = turns_nearest(
@@ -440,8 +447,9 @@ impl World<'_> {
     /// target angles are the ones that bring the link there with the least change from `posture`, or as
     /// near as the limits allow. How far the link's origin is from there, in metres.
     ///
-    /// Cost: at most [`TIP_STEPS_MAX`] steps of [`crate::reach::least_deviation`] with nine goals; call it
-    /// behind [`World::set_target`], and for a chain behind the one that it hangs on.
+    /// Cost: at most [`TIP_STEPS_MAX`] steps of [`crate::reach::least_deviation`] with nine goals, from the
+    /// last target angles on: a tip that leaps is followed over some frames. Nothing when the answer is
+    /// known. Call it behind [`World::set_target`], and for a chain behind the one that it hangs on.
     ///
     /// # Errors
     /// [`ChainError`]; on an error no target has changed.
@@ -456,30 +464,49 @@ impl World<'_> {
         }
         let tip = tip.normalised(WORLD_REACH_M).ok_or(ChainError::BadPose)?;
         let base = self.target_base(chain);
+        let asked = self.state.chains.asked[chain];
+        let same = asked.is_answered == 1 && asked.tip == tip && asked.base == base;
+        if same && self.state.joints.posture[joints.clone()] == *posture {
+            return Ok(asked.missed_m);
+        }
+        let steps = self.solve_tip(chain, &base, &tip, posture);
+        self.keep_targets(chain);
+        let missed_m = self.tip_missed_m(chain, &base, &tip);
+        self.state.joints.posture[joints].copy_from_slice(posture);
+        let chains = &mut self.state.chains;
+        chains.is_tip_seen[chain] = 1;
+        chains.tip_seen[chain] = tip.point(Vec3::from_array(chains.options[chain].tip));
+        chains.asked[chain] = TipAsked {
+            tip,
+            base,
+            missed_m,
+            is_answered: u32::from(steps < TIP_STEPS_MAX),
+        };
+        Ok(missed_m)
+    }
+
+    /// Brings the target angles nearer to those that have the last link at a pose; the steps it took.
+    fn solve_tip(&mut self, chain: usize, base: &Pose, tip: &Pose, posture: &[f32]) -> u32 {
+        let joints = joints_of(&self.state, chain);
         let goals = tip_goals(joints.len() - 1, &tip.moved(-base.translation()));
         let balls: arrayvec::ArrayVec<_, { CHAIN_HINGES_MAX / 3 }> = joints
             .clone()
-            .filter_map(|joint| crate::state::chains::ball_at(&self.state, joint, joints.start))
+            .filter_map(|joint| ball_at(&self.state, joint, joints.start))
             .collect();
         let mut angles = [0.0; CHAIN_HINGES_MAX];
         let angles = &mut angles[..joints.len()];
         angles.copy_from_slice(&self.state.joints.target[joints.clone()]);
-        let root = base.moved(-base.translation());
         let task = Task {
             hinges: &self.state.joints.hinge[joints.clone()],
             balls: &balls,
-            root,
+            root: base.moved(-base.translation()),
             wanted: posture,
             goals: &goals,
             tolerance_m: 1e-5,
         };
-        least_deviation(&task, angles, TIP_STEPS_MAX);
+        let found = least_deviation(&task, angles, TIP_STEPS_MAX);
         self.state.joints.target[joints].copy_from_slice(angles);
-        self.keep_targets(chain);
-        let chains = &mut self.state.chains;
-        chains.is_tip_seen[chain] = 1;
-        chains.tip_seen[chain] = tip.point(Vec3::from_array(chains.options[chain].tip));
-        Ok(self.tip_missed_m(chain, &base, &tip))
+        found.steps
     }
 
     /// How far the last link's origin is from a place at the target angles, in metres.

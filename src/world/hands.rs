@@ -100,7 +100,11 @@ impl World<'_> {
         let pieces = &mut self.state.pieces;
         for (number, piece) in PiecesOf::new(pieces.next, first).enumerate() {
             match input.piece_target(number, &root) {
-                Some(target) => pieces.local_target[piece] = target,
+                Some(target) if pieces.local_target[piece] != target => {
+                    pieces.local_target[piece] = target;
+                    self.state.bodies.settled[body].is_settled = 0;
+                }
+                Some(_) => {}
                 None => used.pieces_kept += 1,
             }
         }
