@@ -33,6 +33,9 @@ const TIP_SOFTNESS: f32 = 1e-5;
 /// How far a sliding tip's planes may be missed before the last steps, in metres.
 const SLIDING_M: f32 = 5e-4;
 
+/// Most steps of a frame that slide a tip; what is left follows in the next one.
+const SLIDING_STEPS: u32 = 1;
+
 /// Points of a chain nearer to its tip than this move with it, in metres.
 const TIP_NEAR_M: f32 = 0.15;
 
@@ -356,7 +359,7 @@ fn slid(task: &Task, soft: usize, angles: &mut Angles, steps: u32) -> Reached {
         tolerance_m: SLIDING_M,
         ..*task
     };
-    let first = least_deviation(&loose, angles, steps);
+    let first = least_deviation(&loose, angles, steps.min(SLIDING_STEPS));
     let wanted = angles.clone();
     let tight = Task {
         wanted: &wanted,
