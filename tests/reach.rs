@@ -174,7 +174,7 @@ fn pushes_are_solved_in_few_steps_near_the_optimum() {
     let mut random = Random(7);
     let mut solved = [[0; 4]; 2];
     let (mut reachable, mut ratios) = (0, vec![]);
-    while reachable < 300 {
+    while reachable < 2000 {
         let wanted = random_angles(&mut random, &hinges, 0.1);
         let goal = push(&mut random, &hinges, &wanted);
         let Some(least) = optimum(&hinges, &wanted, &goal) else {
@@ -205,7 +205,7 @@ fn pushes_are_solved_in_few_steps_near_the_optimum() {
     );
     let [_, least] = solved;
     assert!(
-        least[0] >= 285 && least[1] >= 299 && least[3] == 300,
+        least[0] >= 1900 && least[1] >= 1998 && least[3] == 2000,
         "{least:?}"
     );
     assert!(p95 < 1.03, "{p95}");
