@@ -71,6 +71,9 @@ fn enumeration(pair: Pair) -> CorePenetration {
 #[bench::pressed_hand_at_rest(scenes::pressed_hand().after(120))]
 #[bench::slid_hand(scenes::slid_hand().after(60))]
 #[bench::rolling_sphere(scenes::rolling_sphere().after(60))]
+#[bench::free_arms(scenes::free_arms().after(30))]
+#[bench::arms_at_a_wall(scenes::arms_at_a_wall().after(70))]
+#[bench::settled_arms(scenes::arms_at_a_wall().after(200))]
 fn ten_frames(scene: Scene) -> Scene {
     scene.after(10)
 }

@@ -1,6 +1,8 @@
 //! The kernel never allocates: counted, not believed.
 
 mod common;
+#[path = "common/scenes.rs"]
+mod scenes;
 
 use allocation_counter::measure;
 use common::{Block, add_box, add_piece};
@@ -141,4 +143,21 @@ fn refusals_do_not_allocate() {
         let def = PieceDef::new(Shape::Hull(&flat), 0.0);
         assert!(world.add_piece(hand, &def).is_err());
     });
+}
+
+#[test]
+fn arms_at_a_wall_do_not_allocate() {
+    let mut scene = scenes::arms_at_a_wall();
+    let input = FrameInput::unlimited(FRAME_S);
+    let chains: Vec<_> = scene.limbs.clone();
+    for frame in 0..150 {
+        let angles = (scene.posture)(frame, 0);
+        for &chain in &chains {
+            without_allocation("set_angles", || {
+                scene.world.set_angles(chain, &angles).unwrap();
+            });
+        }
+        without_allocation("step", || scene.world.step(&input));
+    }
+    assert!(scene.world.chain_report(chains[0]).unwrap().flags != 0);
 }

@@ -29,11 +29,12 @@ const FRAMES_PER_LINE: u32 = 30;
 
 type NamedScene = (&'static str, fn() -> Scene);
 
-const SCENES: [NamedScene; 4] = [
+const SCENES: [NamedScene; 5] = [
     ("falling sphere", scenes::falling_sphere),
     ("pushed stack", scenes::pushed_stack),
     ("sliding hand", scenes::sliding_hand),
     ("compound in a corner", scenes::compound_in_a_corner),
+    ("two arms", scenes::two_arms),
 ];
 
 const HEAD: &str = "\

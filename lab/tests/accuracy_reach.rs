@@ -50,7 +50,10 @@ fn pushes_are_met_in_four_steps_near_the_optimum() {
     // These pushes begin anywhere within the limits and are possible from some posture; three of the
     // 2000 need more than four steps or another posture. Those of `tests/reach.rs` begin a tenth of the
     // ranges inside and are possible from the tracked posture: all are met within four.
-    assert!(share(least, 4) >= 0.998 && share(least, 8) >= 0.999, "{least:?}");
+    assert!(
+        share(least, 4) >= 0.998 && share(least, 8) >= 0.999,
+        "{least:?}"
+    );
     assert!(least.ratio.unwrap().p95 <= 1.03, "{least:?}");
     let descent = of(&rows, Method::CyclicDescent);
     for (steps, aim) in [(2, 0.11), (4, 0.33), (8, 0.64), (16, 0.83), (64, 0.975)] {

@@ -6,12 +6,16 @@
     reason = "every test and bench uses a part of it"
 )]
 
+use glam::Vec3;
 use palpable::frame::{FrameInput, FrameReport};
+use palpable::geometry::chain::{Hinge, JointDef};
+use palpable::geometry::reach_cone::ReachCone;
 use palpable::math::Pose;
-use palpable::memory::{BodyId, Capacities};
+use palpable::memory::{BodyId, Capacities, ChainId};
 use palpable::state::bodies::BodyKind;
+use palpable::state::chains::ChainOptions;
 use palpable::state::materials::Material;
-use palpable::world::{BodyDef, PieceDef, Shape, World};
+use palpable::world::{BodyDef, ChainDef, PieceDef, Shape, World};
 
 use crate::common::{Block, add_box, add_piece};
 
@@ -29,6 +33,9 @@ pub struct Scene {
     driven: Option<(BodyId, Script)>,
     /// Poses of the driven body's pieces in a frame.
     bending: Option<fn(u32) -> Vec<Pose>>,
+    /// Chains of the driven body, and their angles in a frame by the chain's number.
+    pub limbs: Vec<ChainId>,
+    pub posture: fn(u32, usize) -> Vec<f32>,
     pub frame: u32,
 }
 
@@ -39,6 +46,8 @@ impl Scene {
             shown,
             driven: None,
             bending: None,
+            limbs: vec![],
+            posture: |_, _| vec![],
             frame: 0,
         }
     }
@@ -56,6 +65,10 @@ impl Scene {
                 let poses = bending(self.frame);
                 self.world.set_piece_targets(body, &poses).unwrap();
             }
+        }
+        for (number, &chain) in self.limbs.iter().enumerate() {
+            let angles = (self.posture)(self.frame, number);
+            self.world.set_angles(chain, &angles).unwrap();
         }
         self.frame += 1;
         self.world.step(&FrameInput::unlimited(FRAME_S))
@@ -230,7 +243,118 @@ pub fn compound_in_a_corner() -> Scene {
     Scene::new(world, body)
 }
 
+/// The joints of an arm at a place: a ball whose limb points down at rest and stays within a pyramid, an
+/// elbow, and the forearm's twist.
+fn arm_joints(at: [f32; 3]) -> [JointDef; 3] {
+    let side = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]];
+    let corners = side.map(|[x, y]| Vec3::new(1.5 * x, 4.0 * y, 1.0));
+    let cone = ReachCone::new(Vec3::Z, &corners).unwrap();
+    let hinge = |at: [f32; 3], axis, low_rad, high_rad| {
+        JointDef::Hinge(Hinge {
+            rest: Pose::at(at[0], at[1], at[2]),
+            axis,
+            low_rad,
+            high_rad,
+        })
+    };
+    // A quarter turn about x: z points down.
+    let half = 0.707_106_77;
+    [
+        JointDef::Ball {
+            rest: Pose {
+                rotation: [half, 0.0, 0.0, half],
+                position: at,
+            },
+            twist_low_rad: -1.0,
+            twist_high_rad: 1.0,
+            cone,
+        },
+        hinge([0.0, 0.0, 0.3], Vec3::X, 0.0, 2.4),
+        hinge([0.0, 0.0, 0.0], Vec3::Z, -1.2, 1.2),
+    ]
+}
+
+/// Adds two arms to a body, their links capsules along z.
+fn add_arms(world: &mut World, body: BodyId) -> Vec<ChainId> {
+    let options = ChainOptions {
+        flags: ChainOptions::MOVES_ROOT | ChainOptions::MEETS_BODY,
+        ..ChainOptions::DEFAULT
+    };
+    [-0.2, 0.2]
+        .map(|x| {
+            let joints = arm_joints([x, 0.0, 0.0]);
+            let def = ChainDef {
+                joints: &joints,
+                base: None,
+                options,
+            };
+            let chain = world.add_chain(body, &def).unwrap();
+            for (hinge, length_m) in [(2, 0.3), (4, 0.34)] {
+                let shape = Shape::Segment([0.0; 3], [0.0, 0.0, length_m]);
+                let def = PieceDef::new(shape, 0.04);
+                world.add_link_piece(chain, hinge, &def).unwrap();
+            }
+            chain
+        })
+        .to_vec()
+}
+
+/// Two arms swing forward into a wall, the left one crosses the right one's way, a box on a table is
+/// pushed, and the arms go back.
+pub fn two_arms() -> Scene {
+    let mut world = world();
+    floor(&mut world);
+    let wall = Pose::at(0.5, 1.0, -0.75);
+    add_box(&mut world, BodyKind::Fixed, wall, [0.5, 1.0, 0.2]);
+    let table = Pose::at(-0.2, 0.5, -0.5);
+    add_box(&mut world, BodyKind::Fixed, table, [0.3, 0.5, 0.2]);
+    let crate_pose = Pose::at(-0.06, 1.0603, -0.42);
+    let half = [0.06, 0.06, 0.06];
+    let pushed = add_box(&mut world, BodyKind::Dynamic, crate_pose, half);
+    let root = Pose::at(0.0, 1.4, 0.0);
+    let body = add_body(&mut world, BodyKind::Driven, root);
+    let arms = add_arms(&mut world, body);
+    let mut scene = Scene::new(world, pushed).driven_by(body, |_| Pose::at(0.0, 1.4, 0.0));
+    scene.limbs = arms;
+    scene.posture = |frame, number| {
+        let up = share(frame, 10, 80) - share(frame, 200, 250);
+        let across = share(frame, 90, 150) - share(frame, 160, 200);
+        let side = if number == 0 { 1.0 } else { -1.0 };
+        vec![0.9 * up, side * 0.5 * across, 0.0, 0.4 * up, 0.2 * up]
+    };
+    scene
+}
+
 // What the benches measure.
+
+/// Two arms, free, or as far into a wall as a third of a metre.
+fn arms(wall: bool) -> Scene {
+    let mut world = world();
+    if wall {
+        let pose = Pose::at(0.0, 1.0, -0.6);
+        add_box(&mut world, BodyKind::Fixed, pose, [1.0, 1.0, 0.2]);
+    }
+    let root = Pose::at(0.0, 1.4, 0.0);
+    let body = add_body(&mut world, BodyKind::Driven, root);
+    let arms = add_arms(&mut world, body);
+    let mut scene = Scene::new(world, body).driven_by(body, |_| Pose::at(0.0, 1.4, 0.0));
+    scene.limbs = arms;
+    scene.posture = |frame, _| {
+        let up = share(frame, 0, 100);
+        vec![1.4 * up, 0.1 * up, 0.0, 0.2, 0.0]
+    };
+    scene
+}
+
+/// Two arms swing in free air.
+pub fn free_arms() -> Scene {
+    arms(false)
+}
+
+/// Two arms are pushed into a wall.
+pub fn arms_at_a_wall() -> Scene {
+    arms(true)
+}
 
 /// So many points of a sphere, none of which is inside the hull of the others, by stereographic
 /// projection of points of the unit square, alternating between the two halves.
