@@ -6,8 +6,10 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use palpable_lab::accuracy;
+use palpable_lab::avatar::motions::SLAP_COUNT;
+use palpable_lab::figures::suite::Suite;
 use palpable_lab::hand::Hand;
-use palpable_lab::report::{self, Ball, HandCoverage, Machine, Report};
+use palpable_lab::report::{self, ArmSlaps, Ball, FigureScene, HandCoverage, Machine, Report};
 use palpable_lab::run::{RunPlan, run};
 use palpable_lab::script::FRAMES;
 use palpable_lab::slaps;
@@ -73,7 +75,7 @@ enum Measured {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Scene {
-    /// All four below.
+    /// Everything below.
     All,
     /// The ball is a sphere; the tracker is exact.
     Sphere,
@@ -83,6 +85,8 @@ enum Scene {
     Hull,
     /// The ball is the hull; the tracker is noisy.
     HullNoise,
+    /// Avatars and hands with joints, without the hand in the gallery.
+    Figures,
 }
 
 impl Scene {
@@ -181,6 +185,10 @@ fn lab(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
     }
     bar.finish_and_clear();
     let slapped = slaps::run(&hand, &slaps::slaps())?;
+    let (figures, arm_slaps) = match args.scene {
+        Scene::All | Scene::Figures => figures(&hand, args.frames)?,
+        _ => (Vec::new(), None),
+    };
     let report = Report {
         title: "The hand in the art gallery".to_owned(),
         machine: Machine::detect(),
@@ -193,11 +201,34 @@ fn lab(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
         },
         runs,
         slaps: Some(slapped),
+        figures,
+        arm_slaps,
     };
     println!("{}", report::table(&report));
     report::write(&report, &args.out)?;
     println!("wrote {}", args.out.join("index.html").display());
     Ok(())
+}
+
+/// Slaps of the arm that are played with so many frames of every scene: with few frames, few.
+fn slap_count(frames: u32) -> usize {
+    let count = SLAP_COUNT as u64 * u64::from(frames) / u64::from(FRAMES);
+    usize::try_from(count.max(1)).unwrap_or(SLAP_COUNT)
+}
+
+fn figures(
+    hand: &Hand,
+    frames: u32,
+) -> Result<(Vec<FigureScene>, Option<ArmSlaps>), Box<dyn std::error::Error>> {
+    let suite = Suite::new(hand);
+    let bar = progress(suite.frames(frames)?, "frames of figures")?;
+    let scenes = suite.run(frames, || bar.inc(1))?;
+    bar.finish_and_clear();
+    let count = slap_count(frames);
+    let bar = progress(count as u64, "slaps of the arm")?;
+    let slapped = suite.slaps(count, || bar.inc(1))?;
+    bar.finish_and_clear();
+    Ok((scenes, Some(slapped)))
 }
 
 fn progress(steps: u64, of: &str) -> Result<ProgressBar, Box<dyn std::error::Error>> {
