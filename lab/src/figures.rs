@@ -1,6 +1,7 @@
 //! Figures: skeletons with convex pieces that a tracker moves. The avatar is one, the hand with bending
 //! fingers another.
 
+pub mod capture;
 pub mod grasps;
 pub mod judge;
 pub mod play;

@@ -63,6 +63,17 @@ pub fn write(report: &Report, out_dir: &Path) -> io::Result<()> {
     std::fs::write(out_dir.join("index.html"), index_html(report))
 }
 
+/// Writes `joints-<slug>.svg` of one scene into `out_dir`, creating it if needed; the file's path.
+///
+/// # Errors
+/// The first file-system error.
+pub fn write_joints(scene: &FigureScene, out_dir: &Path) -> io::Result<std::path::PathBuf> {
+    std::fs::create_dir_all(out_dir)?;
+    let path = out_dir.join(joints_file_name(&scene.slug()));
+    std::fs::write(&path, joints_svg(scene))?;
+    Ok(path)
+}
+
 fn joints_file_name(slug: &str) -> String {
     format!("joints-{slug}.svg")
 }

@@ -13,7 +13,7 @@ use crate::hand_scene::SceneError;
 use crate::reference::{self, Placed, Solid, overlap_depth, signed_distance};
 
 /// Own overlap that is promised: deeper pairs may only get shallower, in millimetres.
-const OWN_MM_MAX: f64 = 1.0;
+pub(super) const OWN_MM_MAX: f64 = 1.0;
 
 /// What the judge found in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -185,7 +185,7 @@ pub(super) fn at<'a>((solid, pose): (&'a Solid, &Pose)) -> Placed<'a> {
     )
 }
 
-fn depth_m(a: &Placed, b: &Placed) -> f64 {
+pub(super) fn depth_m(a: &Placed, b: &Placed) -> f64 {
     let ([a_low, a_high], [b_low, b_high]) = (a.bounds(), b.bounds());
     let apart = a_low.cmpgt(b_high).any() || b_low.cmpgt(a_high).any();
     if apart { 0.0 } else { overlap_depth(a, b) }

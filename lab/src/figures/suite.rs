@@ -7,8 +7,8 @@ use super::play::{Scene, play};
 use super::scenes::{AVATAR_OPTIONS, of_motion};
 use super::summary::summary;
 use super::{Figure, slaps, wrist};
-use crate::avatar::motions::{self, MOTION_HEIGHT_M, MotionKind, Script};
-use crate::avatar::{AvatarPlan, Style, Target, Trunk};
+use crate::avatar::motions::{self, MOTION_HEIGHT_M, MotionKind};
+use crate::avatar::{AvatarPlan, Style, Trunk};
 use crate::hand::Hand;
 use crate::hand_scene::SceneError;
 use crate::report::{ArmSlaps, FigureScene};
@@ -19,9 +19,9 @@ pub const SLAP_SEED: u64 = 2004;
 /// Everything that the scenes need.
 pub struct Suite {
     hulls: AvatarPlan,
+    capsules: AvatarPlan,
     hulls_figure: Figure,
     capsules_figure: Figure,
-    ready: Target,
     grasps: Grasps,
 }
 
@@ -41,7 +41,7 @@ impl Suite {
             hulls_figure: Figure::of_avatar(&hulls),
             capsules_figure: Figure::of_avatar(&capsules),
             hulls,
-            ready: Script::new(MotionKind::PushWall).target(0),
+            capsules,
             grasps: Grasps::new(hand),
         }
     }
@@ -62,12 +62,14 @@ impl Suite {
                 all.push((hulls.clone(), scene));
             }
         }
-        let scene = wrist::into_wall(&self.hulls, &self.hulls_figure, &self.ready)?;
+        let scene = wrist::into_wall(&self.hulls, &self.hulls_figure)?;
         all.push((hulls, scene));
         for kind in MotionKind::ALL {
             let scene = of_motion(&self.capsules_figure, kind, AVATAR_OPTIONS);
             all.push(("avatar in capsules".to_owned(), scene));
         }
+        let scene = wrist::into_wall(&self.capsules, &self.capsules_figure)?;
+        all.push(("avatar in capsules".to_owned(), scene));
         for scene in self.grasps.scenes()? {
             all.push(("hand with bending fingers".to_owned(), scene));
         }

@@ -45,7 +45,7 @@ pub fn summary(figure: &str, scene: &Scene, played: &Played) -> Option<FigureSce
         root_off_mm_max: most(|s| s.root_mm),
         steps_total: samples.iter().map(|s| u64::from(s.steps)).sum(),
         steps_max: samples.iter().map(|s| s.steps).max()?,
-        steps_untouched: samples.iter().filter(|s| is_idle_work(s)).count() as u32,
+        steps_untouched: idle_work(samples),
         adjusted_max: samples.iter().map(|s| s.adjusted).max()?,
         contacts_max: samples.iter().map(|s| s.contacts).max()?,
         state_hash: format!("{:016x}", played.hash),
@@ -56,9 +56,16 @@ pub fn summary(figure: &str, scene: &Scene, played: &Played) -> Option<FigureSce
     })
 }
 
-/// Whether steps were spent though nothing touches.
-fn is_idle_work(sample: &Sample) -> bool {
-    sample.steps > 0 && sample.contacts == 0
+/// Frames with steps though nothing touched at their beginning or end.
+fn idle_work(samples: &[Sample]) -> u32 {
+    let mut touched = false;
+    let mut idle = 0;
+    for sample in samples {
+        let touches = sample.contacts > 0;
+        idle += u32::from(sample.steps > 0 && !touches && !touched);
+        touched = touches;
+    }
+    idle
 }
 
 fn frame_of((frame, sample): (u32, &Sample)) -> FigureFrame {

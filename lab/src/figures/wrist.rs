@@ -1,7 +1,7 @@
 //! An arm that a tracker leads by the wrist, into a wall.
 
 use glam::Vec3;
-use palpable::human::Limb;
+use palpable::human::{Limb, swing_near};
 use palpable::math::Pose;
 use palpable::state::chains::ChainOptions;
 
@@ -15,8 +15,8 @@ use crate::hand_scene::SceneError;
 /// How far the tracker goes into the wall, in metres.
 const INTO_M: f32 = 0.15;
 
-/// Room between the hand and the wall at the start, in metres.
-const ROOM_M: f32 = 0.05;
+/// How far the tracker goes in all, in metres. The arm could follow it, and the hand starts in front.
+const WAY_M: f32 = 0.38;
 
 /// How far the tracker goes to either side along the wall, in metres.
 const ASIDE_M: f32 = 0.1;
@@ -43,31 +43,28 @@ pub(super) fn ease(frame: u32, first: u32, frames: u32) -> f32 {
 ///
 /// # Errors
 /// [`SceneError`] when the avatar has no such arm.
-pub fn into_wall<'s>(
-    plan: &'s AvatarPlan,
-    figure: &'s Figure,
-    posture: &Target,
-) -> Result<Scene<'s>, SceneError> {
+pub fn into_wall<'s>(plan: &'s AvatarPlan, figure: &'s Figure) -> Result<Scene<'s>, SceneError> {
     let chain = plan
         .chain(Limb::RightArm)
         .ok_or_else(|| refused("wrist", "no right arm"))?;
-    let links = plan.postures(posture);
+    let posture = ready(plan, chain);
+    let links = plan.postures(&posture);
     let start = links[chain]
         .last()
         .ok_or_else(|| refused("wrist", "no hinge"))?
         .link;
-    let posture = posture.clone();
-    let face = foremost(plan, &posture) - ROOM_M;
+    // The hand touches before the wrist is there.
+    let face = start.translation().z - (WAY_M - INTO_M);
+    assert!(face < foremost(plan, &posture), "the arm starts in front");
     let [_, half_y, half_z] = WALL_HALF_M;
     let wall = Obstacle {
         pose: Pose::at(0.0, half_y, face - half_z),
         half_m: WALL_HALF_M,
     };
-    let depth = start.translation().z - face + INTO_M;
     let pose = move |frame: u32| {
         let turn = ease(frame, IN_FRAMES, STILL_FRAME - IN_FRAMES);
         let aside = ASIDE_M * (turn * 1.25 * std::f32::consts::TAU).sin();
-        let at = start.translation() + Vec3::new(aside, 0.0, -depth * ease(frame, 0, IN_FRAMES));
+        let at = start.translation() + Vec3::new(aside, 0.0, -WAY_M * ease(frame, 0, IN_FRAMES));
         Pose::new(start.quat(), at)
     };
     Ok(Scene {
@@ -87,6 +84,17 @@ pub fn into_wall<'s>(
             out: Vec3::Z,
         }),
     })
+}
+
+/// An avatar that stands with the right elbow drawn back and the forearm forward.
+fn ready(plan: &AvatarPlan, chain: usize) -> Target {
+    let mut target = plan.neutral();
+    let shoulder = plan.chains[chain].joints[0].rest().quat().conjugate();
+    let upper_arm = Vec3::new(0.2, -1.0, 0.5).normalize();
+    let (a, b) = swing_near(shoulder * upper_arm, -std::f32::consts::FRAC_PI_2);
+    let angles = &mut target.angles[chain];
+    (angles[0], angles[1], angles[3]) = (a, b, 2.0);
+    target
 }
 
 /// Where the foremost point of the avatar is along Z.

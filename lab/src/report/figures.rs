@@ -48,7 +48,7 @@ pub struct FigureScene {
     pub steps_total: u64,
     /// Most steps in one frame.
     pub steps_max: u32,
-    /// Frames with steps and without contact.
+    /// Frames with steps and without contact at their beginning and end.
     pub steps_untouched: u32,
     /// Most hinges away from where the tracker wants them in one frame.
     pub adjusted_max: u32,
@@ -137,13 +137,21 @@ pub struct ArmSlaps {
     pub speed_max: f64,
     /// Slaps with contact.
     pub touched: u32,
-    /// Speeds of those after which a corner of the arm was behind the plate, or that overlapped it by more
-    /// than is promised.
+    /// Speeds of those that went through: they overlapped the plate by more than is promised, or the
+    /// straight way from one frame to the next leads through it.
     pub tunnelled_speeds: Vec<f64>,
+    /// Slaps after which a corner of the arm was behind the plate within its outline: an arm that slides off
+    /// the edge and swings on ends there without having gone through.
+    pub behind: u32,
     /// Deepest overlap with the plate, in millimetres.
     pub overlap_mm_max: f64,
-    /// Deepest overlap of the avatar with itself, in millimetres.
+    /// Deepest overlap with the plate on the straight way of the angles between two frames, in millimetres.
+    pub overlap_between_mm_max: f64,
+    /// Deepest overlap of the avatar with itself, in millimetres; of swings that begin in the body what was
+    /// added.
     pub overlap_own_mm_max: f64,
+    /// Swings that begin in the body.
+    pub began_in_itself: u32,
     /// How far an angle is beyond its range, or a limb outside its cone, in radians.
     pub beyond_limits_rad_max: f64,
     /// Frame time over all slaps, in microseconds of the thread's CPU time.
@@ -211,6 +219,7 @@ impl ArmSlaps {
             self.speed_min,
             self.speed_max,
             self.overlap_mm_max,
+            self.overlap_between_mm_max,
             self.overlap_own_mm_max,
             self.beyond_limits_rad_max,
         ]

@@ -35,7 +35,7 @@ const AXIS_STRIP: f64 = 56.0;
 ///
 /// Three panels over the frame number: the time of each frame on a logarithmic scale with its running
 /// median, the steps of the chains' solvers, and the hinges that are not where the tracker wants them.
-/// Frames with contact stand on a darker ground.
+/// Frames with contact stand on a tinted ground.
 ///
 /// # Panics
 /// Never: the backend can only fail to write files, and here it writes into a string.
@@ -50,9 +50,11 @@ pub fn joints_svg(scene: &FigureScene) -> String {
 
 fn title(scene: &FigureScene) -> String {
     let name = scene.name.strip_suffix(", cyclic descent");
+    let name = name.unwrap_or(&scene.name);
+    let (first, rest) = name.split_at(name.chars().next().map_or(0, char::len_utf8));
     format!(
-        "{}: {}, {}",
-        name.unwrap_or(&scene.name),
+        "{}{rest}: {}, {}",
+        first.to_uppercase(),
         scene.figure,
         scene.method
     )
@@ -122,8 +124,7 @@ impl<'s> Plot<'s> {
     }
 
     fn draw_ground(&self, sheet: &Sheet, panel: Panel) -> Drawn {
-        let [plain, contact, ..] = BANDS;
-        sheet.fill((LEFT, panel.top), (FULL_RIGHT, panel.bottom), plain)?;
+        let contact = BANDS[1];
         let mut first = 0;
         for group in self.scene.samples.chunk_by(|a, b| touches(a) == touches(b)) {
             let end = first + group.len();

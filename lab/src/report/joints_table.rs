@@ -200,8 +200,9 @@ pub(super) fn slaps_sentence(slaps: &ArmSlaps) -> String {
         },
     );
     format!(
-        "{} slaps of the arm at a plate of 20 mm, {:.1} to {:.1} m/s: {}{speeds} went through, {} touched it, \
-         overlap at most {} mm, own {} mm, past limits {} rad; frame time median / p99 / max {time} µs",
+        "{} slaps of the arm at a plate of 20 mm, {:.1} to {:.1} m/s: {}{speeds} went through, \
+         {} ended behind it (round its edge unless it is said that they went through), {} touched it, \
+         overlap at most {} mm, {} mm on the straight way between frames (through: 10 mm), own {} mm ({} swings begin in the body), past limits {} rad; frame time median / p99 / max {time} µs",
         slaps.slaps,
         slaps.speed_min,
         slaps.speed_max,
@@ -209,9 +210,12 @@ pub(super) fn slaps_sentence(slaps: &ArmSlaps) -> String {
             slaps.tunnelled_speeds.len().to_string(),
             !slaps.tunnelled_speeds.is_empty()
         ),
+        slaps.behind,
         slaps.touched,
         marked(slaps.overlap_mm_max, HAND_FIXED_OVERLAP_MM_MAX),
+        length_mm(slaps.overlap_between_mm_max),
         marked(slaps.overlap_own_mm_max, BALL_OVERLAP_MM_MAX),
+        slaps.began_in_itself,
         radians(slaps.beyond_limits_rad_max),
     )
 }
