@@ -1,8 +1,15 @@
 //! Figures: skeletons with convex pieces that a tracker moves. The avatar is one, the hand with bending
 //! fingers another.
 
+pub mod capture;
+pub mod grasps;
+pub mod judge;
 pub mod play;
 pub mod scenes;
+pub mod slaps;
+pub mod suite;
+pub mod summary;
+pub mod wrist;
 
 use palpable::geometry::chain::JointDef;
 use palpable::math::Pose;

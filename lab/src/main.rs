@@ -6,8 +6,12 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use palpable_lab::accuracy;
+use palpable_lab::avatar::Style;
+use palpable_lab::avatar::motions::SLAP_COUNT;
+use palpable_lab::figures::capture::{Clip, Obstacles};
+use palpable_lab::figures::suite::Suite;
 use palpable_lab::hand::Hand;
-use palpable_lab::report::{self, Ball, HandCoverage, Machine, Report};
+use palpable_lab::report::{self, ArmSlaps, Ball, FigureScene, HandCoverage, Machine, Report};
 use palpable_lab::run::{RunPlan, run};
 use palpable_lab::script::FRAMES;
 use palpable_lab::slaps;
@@ -41,6 +45,40 @@ enum Command {
         #[command(subcommand)]
         of: Measured,
     },
+    /// Plays a BVH file of motion capture with the avatar, on a floor.
+    Bvh {
+        /// The file.
+        file: PathBuf,
+        /// What the avatar is made of.
+        #[arg(long, value_enum, default_value_t = Pieces::Hulls)]
+        style: Pieces,
+        /// What stands near the path.
+        #[arg(long, value_enum, default_value_t = Obstacle::Both)]
+        obstacle: Obstacle,
+        /// Where the figure goes.
+        #[arg(long, default_value = "out")]
+        out: PathBuf,
+    },
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Pieces {
+    /// Lofted hulls of 3648 triangles in all.
+    Hulls,
+    /// Capsules.
+    Capsules,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Obstacle {
+    /// The floor alone.
+    None,
+    /// A box as high as a table.
+    Table,
+    /// A wall.
+    Wall,
+    /// Both.
+    Both,
 }
 
 #[derive(Subcommand)]
@@ -73,7 +111,7 @@ enum Measured {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Scene {
-    /// All four below.
+    /// Everything below.
     All,
     /// The ball is a sphere; the tracker is exact.
     Sphere,
@@ -83,6 +121,8 @@ enum Scene {
     Hull,
     /// The ball is the hull; the tracker is noisy.
     HullNoise,
+    /// Avatars and hands with joints, without the hand in the gallery.
+    Figures,
 }
 
 impl Scene {
@@ -114,6 +154,12 @@ fn main() -> ExitCode {
         Some(Command::Accuracy {
             of: Measured::Reach { cases, seed, out },
         }) => accuracy_of_reach(*cases, *seed, out),
+        Some(Command::Bvh {
+            file,
+            style,
+            obstacle,
+            out,
+        }) => capture(file, *style, *obstacle, out),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -181,6 +227,10 @@ fn lab(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
     }
     bar.finish_and_clear();
     let slapped = slaps::run(&hand, &slaps::slaps())?;
+    let (figures, arm_slaps) = match args.scene {
+        Scene::All | Scene::Figures => figures(&hand, args.frames)?,
+        _ => (Vec::new(), None),
+    };
     let report = Report {
         title: "The hand in the art gallery".to_owned(),
         machine: Machine::detect(),
@@ -193,10 +243,71 @@ fn lab(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
         },
         runs,
         slaps: Some(slapped),
+        figures,
+        arm_slaps,
     };
     println!("{}", report::table(&report));
     report::write(&report, &args.out)?;
     println!("wrote {}", args.out.join("index.html").display());
+    Ok(())
+}
+
+/// Slaps of the arm that are played with so many frames of every scene: with few frames, few.
+fn slap_count(frames: u32) -> usize {
+    let count = SLAP_COUNT as u64 * u64::from(frames) / u64::from(FRAMES);
+    usize::try_from(count.max(1)).unwrap_or(SLAP_COUNT)
+}
+
+fn figures(
+    hand: &Hand,
+    frames: u32,
+) -> Result<(Vec<FigureScene>, Option<ArmSlaps>), Box<dyn std::error::Error>> {
+    let suite = Suite::new(hand);
+    let bar = progress(suite.frames(frames)?, "frames of figures")?;
+    let scenes = suite.run(frames, || bar.inc(1))?;
+    bar.finish_and_clear();
+    let count = slap_count(frames);
+    let bar = progress(count as u64, "slaps of the arm")?;
+    let slapped = suite.slaps(count, || bar.inc(1))?;
+    bar.finish_and_clear();
+    Ok((scenes, Some(slapped)))
+}
+
+fn capture(
+    file: &Path,
+    style: Pieces,
+    obstacle: Obstacle,
+    out: &Path,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let style = match style {
+        Pieces::Hulls => Style::Hulls,
+        Pieces::Capsules => Style::Capsules,
+    };
+    let obstacles = match obstacle {
+        Obstacle::None => Obstacles::None,
+        Obstacle::Table => Obstacles::Table,
+        Obstacle::Wall => Obstacles::Wall,
+        Obstacle::Both => Obstacles::Both,
+    };
+    let clip = Clip::read(file, style).map_err(|why| format!("{}: {why}", file.display()))?;
+    let name = file.file_stem().unwrap_or_default().to_string_lossy();
+    let bar = progress(clip.frames().into(), "frames")?;
+    let scene = clip.play(&name, obstacles, || bar.inc(1))?;
+    bar.finish_and_clear();
+    let scene = scene.ok_or("the file has no frames")?;
+    println!(
+        "{}\n",
+        report::figure_tables(std::slice::from_ref(&scene), None)
+    );
+    println!(
+        "{} angles of the file were beyond the avatar's limits",
+        clip.clamped
+    );
+    println!(
+        "in itself {:.3} mm in the first frame, afterwards deeper by at most {:.3} mm a frame",
+        scene.overlap_own_first_mm, scene.overlap_own_grown_mm_max
+    );
+    println!("wrote {}", report::write_joints(&scene, out)?.display());
     Ok(())
 }
 

@@ -8,8 +8,12 @@
 
 mod data;
 mod figure;
+mod figures;
 mod format;
 mod html;
+mod joints;
+mod joints_html;
+mod joints_table;
 mod json;
 mod labels;
 mod machine;
@@ -27,11 +31,18 @@ pub use data::{
     Phase, Quantiles, Report, Run, Slaps,
 };
 pub use figure::frame_time_svg;
+pub use figures::{
+    ArmSlaps, BEYOND_LIMITS_RAD_MAX, FigureFrame, FigureScene, FirstContact, Rest,
+    WRIST_OFF_MM_MAX, Wrist,
+};
 pub use html::index_html;
+pub use joints::joints_svg;
+pub use joints_table::tables as figure_tables;
 pub use json::to_json;
 pub use table::table;
 
-/// Writes `report.json`, `frame-time-<slug>.svg` for each run and `index.html` into `out_dir`,
+/// Writes `report.json`, `frame-time-<slug>.svg` for each run, `joints-<slug>.svg`
+/// for each scene of a figure, and `index.html` into `out_dir`,
 /// creating it if needed.
 ///
 /// Files of these names are replaced, others are left alone.
@@ -46,7 +57,25 @@ pub fn write(report: &Report, out_dir: &Path) -> io::Result<()> {
     for (run, slug) in report.runs.iter().zip(report.slugs()) {
         std::fs::write(out_dir.join(figure_file_name(&slug)), frame_time_svg(run))?;
     }
+    for (scene, slug) in report.figures.iter().zip(report.figure_slugs()) {
+        std::fs::write(out_dir.join(joints_file_name(&slug)), joints_svg(scene))?;
+    }
     std::fs::write(out_dir.join("index.html"), index_html(report))
+}
+
+/// Writes `joints-<slug>.svg` of one scene into `out_dir`, creating it if needed; the file's path.
+///
+/// # Errors
+/// The first file-system error.
+pub fn write_joints(scene: &FigureScene, out_dir: &Path) -> io::Result<std::path::PathBuf> {
+    std::fs::create_dir_all(out_dir)?;
+    let path = out_dir.join(joints_file_name(&scene.slug()));
+    std::fs::write(&path, joints_svg(scene))?;
+    Ok(path)
+}
+
+fn joints_file_name(slug: &str) -> String {
+    format!("joints-{slug}.svg")
 }
 
 fn figure_file_name(slug: &str) -> String {

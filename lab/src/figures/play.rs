@@ -2,19 +2,20 @@
 //! alone.
 
 use cpu_time::ThreadTime;
+use glam::Vec3;
 use palpable::frame::{FrameInput, FrameReport};
 use palpable::geometry::chain::{Ball, JointDef};
 use palpable::math::Pose;
 use palpable::memory::Capacities;
 use palpable::state::bodies::BodyKind;
 use palpable::state::chains::ChainOptions;
-use palpable::world::{BodyDef, PieceDef, Shape, World};
+use palpable::world::World;
 
+use super::judge::{Finding, Judge, add_things};
 use super::{Figure, FigureIds, add, refused};
 use crate::avatar::Target;
 use crate::hand_scene::SceneError;
 use crate::memory::Block;
-use crate::reference::{self, Placed, Solid, overlap_depth};
 
 /// Room for any figure and its scene.
 pub const CAPACITIES: Capacities = Capacities {
@@ -41,6 +42,16 @@ pub struct Thing {
     pub pieces: Vec<(Pose, Vec<[f32; 3]>, f32)>,
 }
 
+/// A tracker at the end of a chain, and the plane that it goes through.
+pub struct Tip<'s> {
+    /// The chain, whose angles in the target are the posture that it is to keep near.
+    pub chain: usize,
+    /// Where the tracker sees the chain's last link.
+    pub pose: Box<dyn Fn(u32) -> Pose + 's>,
+    /// The way out of the obstacle, of length one.
+    pub out: Vec3,
+}
+
 /// A figure, things, and what the tracker wants of the figure.
 pub struct Scene<'s> {
     /// What happens.
@@ -57,6 +68,8 @@ pub struct Scene<'s> {
     pub rate_hz: f32,
     /// The target of each frame.
     pub target: Box<dyn Fn(u32) -> Target + 's>,
+    /// A chain that is led by its end instead of its angles.
+    pub tip: Option<Tip<'s>>,
 }
 
 /// What a frame showed.
@@ -72,12 +85,8 @@ pub struct Sample {
     pub adjusted: u32,
     /// Contacts.
     pub contacts: u32,
-    /// Deepest overlap with a fixed thing, in millimetres.
-    pub fixed_mm: f64,
-    /// Deepest overlap with a loose thing, in millimetres.
-    pub loose_mm: f64,
-    /// Deepest overlap of pieces that are to keep out of each other, in millimetres.
-    pub own_mm: f64,
+    /// What the judge found.
+    pub found: Finding,
     /// Largest change of an angle since the frame before, in degrees.
     pub jump_deg: f64,
     /// Largest change of a wanted angle since the frame before, in degrees.
@@ -86,6 +95,15 @@ pub struct Sample {
     pub root_mm: f64,
     /// How far an angle is beyond its range, or a limb outside its cone, in radians.
     pub beyond_rad: f64,
+    /// How far a tracked end is from the nearest place in front of the wall, in millimetres: across the
+    /// wall's normal, and along it where the end is behind the tracker.
+    pub tip_off_mm: f64,
+    /// The gap between a chain with a tracked end and the fixed things, in millimetres.
+    pub tip_gap_mm: f64,
+    /// Whether the targets are those of the frame before, to the bit.
+    pub still: bool,
+    /// Whether the published root and angles are those of the frame before, to the bit.
+    pub at_rest: bool,
     /// Bits of the frame's report.
     pub flags: u32,
 }
@@ -103,39 +121,63 @@ pub struct Played {
     pub hash: u64,
 }
 
+/// Root and angles, wanted or published.
+#[derive(Clone, PartialEq)]
+struct State {
+    root: Pose,
+    angles: Vec<f32>,
+}
+
 /// Plays a scene; `tick` is called after every frame.
 ///
 /// # Errors
 /// [`SceneError`] names what the world refused.
 pub fn play(scene: &Scene, mut tick: impl FnMut()) -> Result<Played, SceneError> {
+    play_and(scene, |_, _| {
+        tick();
+        Ok(())
+    })
+}
+
+/// Plays a scene and shows every published frame.
+///
+/// # Errors
+/// [`SceneError`] names what the world refused.
+pub fn play_and(
+    scene: &Scene,
+    mut show: impl FnMut(&World, &FigureIds) -> Result<(), SceneError>,
+) -> Result<Played, SceneError> {
     let mut block = Block::new(&CAPACITIES);
     let mut world =
         World::create(block.bytes(), &CAPACITIES).map_err(|why| refused("world", why))?;
-    let first = (scene.target)(0);
-    let ids = add(&mut world, scene.figure, first.root, &scene.options)?;
-    for (&chain, angles) in ids.chains.iter().zip(&first.angles) {
-        world
-            .place_angles(chain, angles)
-            .map_err(|why| refused("angles", why))?;
-    }
-    let judge = Judge::new(&mut world, scene)?;
+    let ids = begin(&mut world, scene)?;
+    let bodies = add_things(&mut world, &scene.things)?;
+    let mut judge = Judge::new(scene.figure, &scene.things, &bodies)?;
     let mut samples = Vec::new();
-    let mut before = angles_of(&world, &ids)?;
-    let mut wanted_before = before.clone();
+    let mut before = published(&world, &ids)?;
+    let mut wanted_before = wanted(&world, &ids, &(scene.target)(0))?;
     for frame in 0..scene.frames {
         let target = (scene.target)(frame);
-        let mut sample = step(&mut world, &ids, &target, scene.rate_hz)?;
-        judge.frame(&world, &ids, &mut sample)?;
-        let after = angles_of(&world, &ids)?;
-        let wanted = targets_of(&world, &ids)?;
-        sample.jump_deg = largest_change(&before, &after).to_degrees();
-        sample.wanted_jump_deg = largest_change(&wanted_before, &wanted).to_degrees();
-        sample.adjusted = after.iter().zip(&wanted).filter(|(a, b)| a != b).count() as u32;
-        sample.root_mm = root_off_mm(&world, &ids, &target)?;
+        let mut sample = step(&mut world, &ids, scene, frame, &target)?;
+        sample.found = judge.frame(&world, &ids)?;
+        let after = published(&world, &ids)?;
+        let wanted = wanted(&world, &ids, &target)?;
+        sample.jump_deg = largest_change(&before.angles, &after.angles).to_degrees();
+        sample.wanted_jump_deg = largest_change(&wanted_before.angles, &wanted.angles).to_degrees();
+        let angles = after.angles.iter().zip(&wanted.angles);
+        sample.adjusted = angles.filter(|(a, b)| a != b).count() as u32;
+        let off = after.root.translation() - target.root.translation();
+        sample.root_mm = 1e3 * f64::from(off.length());
         sample.beyond_rad = beyond_rad(scene.figure, &world, &ids)?;
+        sample.still = wanted == wanted_before;
+        sample.at_rest = after == before;
+        if let Some(tip) = &scene.tip {
+            sample.tip_off_mm = tip_off_mm(&world, &ids, tip, frame)?;
+            sample.tip_gap_mm = 1e3 * judge.gap_m(&world, &ids, tip.chain)?;
+        }
         (before, wanted_before) = (after, wanted);
         samples.push(sample);
-        tick();
+        show(&world, &ids)?;
     }
     Ok(Played {
         name: scene.name.clone(),
@@ -145,22 +187,55 @@ pub fn play(scene: &Scene, mut tick: impl FnMut()) -> Result<Played, SceneError>
     })
 }
 
-fn step(
+/// The figure in its first posture.
+fn begin(world: &mut World, scene: &Scene) -> Result<FigureIds, SceneError> {
+    let first = (scene.target)(0);
+    let ids = add(world, scene.figure, first.root, &scene.options)?;
+    lead(world, &ids, scene, 0, &first)?;
+    for &chain in &ids.chains {
+        let angles = world.target_angles(chain);
+        let angles = angles.map_err(|why| refused("chain", why))?.to_vec();
+        world
+            .place_angles(chain, &angles)
+            .map_err(|why| refused("angles", why))?;
+    }
+    Ok(ids)
+}
+
+/// Tells the world the targets of a frame.
+fn lead(
     world: &mut World,
     ids: &FigureIds,
+    scene: &Scene,
+    frame: u32,
     target: &Target,
-    rate_hz: f32,
-) -> Result<Sample, SceneError> {
-    let input = FrameInput::unlimited(1.0 / rate_hz);
-    let begun = ThreadTime::now();
+) -> Result<(), SceneError> {
     world
         .set_target(ids.body, &target.root)
         .map_err(|why| refused("root", why))?;
-    for (&chain, angles) in ids.chains.iter().zip(&target.angles) {
-        world
-            .set_angles(chain, angles)
-            .map_err(|why| refused("angles", why))?;
+    for (index, (&chain, angles)) in ids.chains.iter().zip(&target.angles).enumerate() {
+        match &scene.tip {
+            Some(tip) if tip.chain == index => {
+                let pose = (tip.pose)(frame);
+                world.set_tip(chain, &pose, angles).map(|_| ())
+            }
+            _ => world.set_angles(chain, angles),
+        }
+        .map_err(|why| refused("angles", why))?;
     }
+    Ok(())
+}
+
+fn step(
+    world: &mut World,
+    ids: &FigureIds,
+    scene: &Scene,
+    frame: u32,
+    target: &Target,
+) -> Result<Sample, SceneError> {
+    let input = FrameInput::unlimited(1.0 / scene.rate_hz);
+    let begun = ThreadTime::now();
+    lead(world, ids, scene, frame, target)?;
     let report: FrameReport = world.step(&input);
     let spent = begun.elapsed();
     Ok(Sample {
@@ -173,32 +248,30 @@ fn step(
     })
 }
 
-fn angles_of(world: &World, ids: &FigureIds) -> Result<Vec<f32>, SceneError> {
-    let mut all = Vec::new();
+fn published(world: &World, ids: &FigureIds) -> Result<State, SceneError> {
+    let mut angles = Vec::new();
     for &chain in &ids.chains {
-        all.extend(world.angles(chain).map_err(|why| refused("chain", why))?);
+        angles.extend(world.angles(chain).map_err(|why| refused("chain", why))?);
     }
-    Ok(all)
+    let root = world.pose(ids.body).map_err(|why| refused("root", why))?;
+    Ok(State { root, angles })
 }
 
-fn targets_of(world: &World, ids: &FigureIds) -> Result<Vec<f32>, SceneError> {
-    let mut all = Vec::new();
+fn wanted(world: &World, ids: &FigureIds, target: &Target) -> Result<State, SceneError> {
+    let mut angles = Vec::new();
     for &chain in &ids.chains {
-        let angles = world.target_angles(chain);
-        all.extend(angles.map_err(|why| refused("chain", why))?);
+        let wanted = world.target_angles(chain);
+        angles.extend(wanted.map_err(|why| refused("chain", why))?);
     }
-    Ok(all)
+    Ok(State {
+        root: target.root,
+        angles,
+    })
 }
 
 fn largest_change(before: &[f32], after: &[f32]) -> f64 {
     let changes = before.iter().zip(after);
     changes.fold(0.0, |most, (a, b)| f64::max(most, f64::from((a - b).abs())))
-}
-
-fn root_off_mm(world: &World, ids: &FigureIds, target: &Target) -> Result<f64, SceneError> {
-    let pose = world.pose(ids.body).map_err(|why| refused("root", why))?;
-    let off = pose.translation() - target.root.translation();
-    Ok(1e3 * f64::from(off.length()))
 }
 
 /// How far the published angles are beyond the figure's limits, in radians.
@@ -222,104 +295,13 @@ fn beyond_rad(figure: &Figure, world: &World, ids: &FigureIds) -> Result<f64, Sc
     Ok(most)
 }
 
-/// A solid of a thing, and where it is.
-struct Part {
-    solid: Solid,
-    local: Pose,
-    body: palpable::memory::BodyId,
-    kind: BodyKind,
-}
-
-/// The figure and its scene in f64.
-struct Judge<'s> {
-    figure: &'s Figure,
-    solids: Vec<Solid>,
-    parts: Vec<Part>,
-}
-
-impl<'s> Judge<'s> {
-    /// Adds the things to the world, and everything to the judge.
-    fn new(world: &mut World, scene: &'s Scene) -> Result<Self, SceneError> {
-        let mut parts = Vec::new();
-        for thing in &scene.things {
-            let body = world
-                .add_body(&BodyDef::new(thing.kind, thing.pose))
-                .map_err(|why| refused(&thing.name, why))?;
-            for (local, points, radius_m) in &thing.pieces {
-                let shape = match points[..] {
-                    [_] => Shape::Point,
-                    [a, b] => Shape::Segment(a, b),
-                    _ => Shape::Hull(points),
-                };
-                let def = PieceDef {
-                    local: *local,
-                    ..PieceDef::new(shape, *radius_m)
-                };
-                world
-                    .add_piece(body, &def)
-                    .map_err(|why| refused(&thing.name, why))?;
-                parts.push(Part {
-                    solid: Solid::from_f32(points, *radius_m)
-                        .map_err(|why| refused(&thing.name, why))?,
-                    local: *local,
-                    body,
-                    kind: thing.kind,
-                });
-            }
-        }
-        let solids = scene
-            .figure
-            .pieces
-            .iter()
-            .map(|piece| {
-                Solid::from_f32(&piece.points, piece.radius_m)
-                    .map_err(|why| refused(&piece.name, why))
-            })
-            .collect::<Result<_, _>>()?;
-        Ok(Self {
-            figure: scene.figure,
-            solids,
-            parts,
-        })
-    }
-
-    fn frame(&self, world: &World, ids: &FigureIds, sample: &mut Sample) -> Result<(), SceneError> {
-        let mut placed = Vec::new();
-        for (solid, &piece) in self.solids.iter().zip(&ids.pieces) {
-            let pose = world
-                .piece_pose(piece)
-                .map_err(|why| refused("piece", why))?;
-            placed.push(at(solid, &pose));
-        }
-        for part in &self.parts {
-            let body = world.pose(part.body).map_err(|why| refused("thing", why))?;
-            let thing = at(&part.solid, &body.then(&part.local));
-            for piece in &placed {
-                let depth_mm = 1e3 * depth_m(piece, &thing);
-                let slot = if part.kind == BodyKind::Fixed {
-                    &mut sample.fixed_mm
-                } else {
-                    &mut sample.loose_mm
-                };
-                *slot = slot.max(depth_mm);
-            }
-        }
-        for &[a, b] in &self.figure.apart {
-            sample.own_mm = sample.own_mm.max(1e3 * depth_m(&placed[a], &placed[b]));
-        }
-        Ok(())
-    }
-}
-
-fn at<'a>(solid: &'a Solid, pose: &Pose) -> Placed<'a> {
-    Placed::at(
-        solid,
-        reference::Pose::from_f32(pose.rotation, pose.position),
-    )
-}
-
-fn depth_m(a: &Placed, b: &Placed) -> f64 {
-    let ([a_low, a_high], [b_low, b_high]) = (a.bounds(), b.bounds());
-    let apart = a_low.cmpgt(b_high).any() || b_low.cmpgt(a_high).any();
-    if apart { 0.0 } else { overlap_depth(a, b) }
+/// How far a tracked end is from the nearest place that the obstacle leaves it.
+fn tip_off_mm(world: &World, ids: &FigureIds, tip: &Tip, frame: u32) -> Result<f64, SceneError> {
+    let links = world.link_poses(ids.chains[tip.chain]);
+    let links = links.map_err(|why| refused("chain", why))?;
+    let at = links.last().copied().unwrap_or_default().translation();
+    let off = at - (tip.pose)(frame).translation();
+    // Being held out is what the obstacle is for.
+    let out = off.dot(tip.out).max(0.0);
+    Ok(1e3 * f64::from((off - tip.out * out).length()))
 }

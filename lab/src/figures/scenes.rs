@@ -20,7 +20,7 @@ pub(super) fn corners(half_m: [f32; 3]) -> Vec<[f32; 3]> {
 }
 
 /// A fixed box.
-fn fixed(obstacle: &Obstacle) -> Thing {
+pub(super) fn fixed(obstacle: &Obstacle) -> Thing {
     Thing {
         name: "box".to_owned(),
         kind: BodyKind::Fixed,
@@ -37,7 +37,7 @@ pub const AVATAR_OPTIONS: ChainOptions = ChainOptions {
 
 fn title(kind: MotionKind) -> &'static str {
     match kind {
-        MotionKind::TouchBox => "avatar touches a box",
+        MotionKind::TouchBox => "touching a box",
         MotionKind::PushWall => "two arms into a wall",
         MotionKind::Corner => "arm in a corner",
         MotionKind::CrossArms => "arm against arm",
@@ -57,6 +57,7 @@ pub fn of_motion<'s>(figure: &'s Figure, kind: MotionKind, options: ChainOptions
         frames: script.frames,
         rate_hz: RATE_HZ,
         target: Box::new(move |frame| script.target(frame)),
+        tip: None,
     }
 }
 
@@ -71,5 +72,6 @@ pub fn of_slap<'s>(figure: &'s Figure, slap: &'s ArmSlap) -> Scene<'s> {
         frames: slap.frames,
         rate_hz: RATE_HZ,
         target: Box::new(|frame| slap.target(frame)),
+        tip: None,
     }
 }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::{ArmSlaps, FigureScene};
+
 /// Deepest overlap of the hand with fixed bodies that the kernel promises, in millimetres.
 pub const HAND_FIXED_OVERLAP_MM_MAX: f64 = 0.1;
 
@@ -26,6 +28,10 @@ pub struct Report {
     pub runs: Vec<Run>,
     /// Slaps through a wall, when they were run.
     pub slaps: Option<Slaps>,
+    /// Figures with joints, scene by scene, in the order they were played.
+    pub figures: Vec<FigureScene>,
+    /// Slaps of the avatar's arm, when they were played.
+    pub arm_slaps: Option<ArmSlaps>,
 }
 
 /// The measuring machine, without anything that tells one owner's from another's.
@@ -179,19 +185,27 @@ impl Report {
     /// File-name-safe names of the runs, in their order and all different: lower-case ASCII
     /// letters, digits and `-`.
     pub fn slugs(&self) -> Vec<String> {
-        let mut slugs: Vec<String> = Vec::with_capacity(self.runs.len());
-        for run in &self.runs {
-            let base = slug(&run.name);
-            let unused = (1..)
-                .map(|n| numbered(&base, n))
-                .find(|candidate| !slugs.contains(candidate));
-            slugs.extend(unused);
-        }
-        slugs
+        different(self.runs.iter().map(|run| slug(&run.name)))
+    }
+
+    /// The same for the figures' scenes.
+    pub fn figure_slugs(&self) -> Vec<String> {
+        different(self.figures.iter().map(FigureScene::slug))
     }
 }
 
-fn slug(name: &str) -> String {
+fn different(names: impl Iterator<Item = String>) -> Vec<String> {
+    let mut slugs: Vec<String> = Vec::new();
+    for base in names {
+        let unused = (1..)
+            .map(|n| numbered(&base, n))
+            .find(|candidate| !slugs.contains(candidate));
+        slugs.extend(unused);
+    }
+    slugs
+}
+
+pub(super) fn slug(name: &str) -> String {
     let words: Vec<String> = name
         .split(|c: char| !c.is_ascii_alphanumeric())
         .filter(|word| !word.is_empty())

@@ -52,9 +52,15 @@ fn draw(run: &Run, plan: &Plan, svg: &mut String) -> Drawn {
 /// Replaces the backend's root element by one that scales subpixels to pixels, names the figure and
 /// brings the style.
 fn with_own_header(run: &Run, height: f64, drawing: &str) -> String {
+    let name = format!("Frame time: {}. {}", run.name, summary(run));
+    with_header(&name, height, drawing)
+}
+
+/// The same for a figure of any name.
+pub(super) fn with_header(name: &str, height: f64, drawing: &str) -> String {
     let body = drawing.split_once('>').map_or("", |(_, body)| body);
     let (inner_width, inner_height) = (WIDTH * SUBPIXELS, height * SUBPIXELS);
-    let name = escaped(&format!("Frame time: {}. {}", run.name, summary(run)));
+    let name = escaped(name);
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{height}\" \
          viewBox=\"0 0 {inner_width} {inner_height}\" role=\"img\" aria-label=\"{name}\">\n\
@@ -109,18 +115,25 @@ fn summary(run: &Run) -> String {
     )
 }
 
-struct Entry<'a> {
+pub(super) struct Entry<'a> {
     name: &'a str,
     role: Role,
-    is_ring: bool,
+    swatch: Swatch,
+}
+
+#[derive(PartialEq)]
+enum Swatch {
+    Line,
+    Ring,
+    Ground,
 }
 
 impl<'a> Entry<'a> {
-    fn line(name: &'a str, role: Role) -> Self {
+    pub(super) fn line(name: &'a str, role: Role) -> Self {
         Self {
             name,
             role,
-            is_ring: false,
+            swatch: Swatch::Line,
         }
     }
 
@@ -128,13 +141,22 @@ impl<'a> Entry<'a> {
         Self {
             name,
             role,
-            is_ring: true,
+            swatch: Swatch::Ring,
+        }
+    }
+
+    /// A colour behind the curves.
+    pub(super) fn ground(name: &'a str, role: Role) -> Self {
+        Self {
+            name,
+            role,
+            swatch: Swatch::Ground,
         }
     }
 }
 
 /// Entries from right to left, ending at the right margin.
-fn draw_legend(sheet: &Sheet, entries: &[Entry], y: f64) -> Drawn {
+pub(super) fn draw_legend(sheet: &Sheet, entries: &[Entry], y: f64) -> Drawn {
     const SWATCH: f64 = 18.0;
     const GAP: f64 = 6.0;
     const ENTRY_GAP: f64 = 14.0;
@@ -142,11 +164,12 @@ fn draw_legend(sheet: &Sheet, entries: &[Entry], y: f64) -> Drawn {
     for entry in entries {
         let text_left = right - text_width(entry.name, SMALL_PX, false);
         let swatch_right = text_left - GAP;
-        let swatch_left = swatch_right - if entry.is_ring { 2.0 * RING_PX } else { SWATCH };
-        if entry.is_ring {
-            sheet.ring((swatch_right - RING_PX, y), RING_PX, entry.role)?;
-        } else {
-            sheet.line((swatch_left, y), (swatch_right, y), entry.role, 2.5)?;
+        let is_ring = entry.swatch == Swatch::Ring;
+        let swatch_left = swatch_right - if is_ring { 2.0 * RING_PX } else { SWATCH };
+        match entry.swatch {
+            Swatch::Ring => sheet.ring((swatch_right - RING_PX, y), RING_PX, entry.role)?,
+            Swatch::Line => sheet.line((swatch_left, y), (swatch_right, y), entry.role, 2.5)?,
+            Swatch::Ground => draw_ground(sheet, swatch_left, swatch_right, y, entry.role)?,
         }
         sheet.text(
             entry.name,
@@ -159,6 +182,20 @@ fn draw_legend(sheet: &Sheet, entries: &[Entry], y: f64) -> Drawn {
 }
 
 const RING_PX: f64 = 4.5;
+
+/// A small outlined field of a ground's colour.
+fn draw_ground(sheet: &Sheet, left: f64, right: f64, y: f64, role: Role) -> Drawn {
+    let (top, bottom) = (y - 6.0, y + 6.0);
+    sheet.fill((left, top), (right, bottom), role)?;
+    let corners = [
+        (left, top),
+        (right, top),
+        (right, bottom),
+        (left, bottom),
+        (left, top),
+    ];
+    sheet.curve(&corners, FRAME_LINE, 1.0)
+}
 
 fn draw_labels(sheet: &Sheet, run: &Run, plan: &Plan) -> Drawn {
     for (index, wish) in plan.wishes.iter().enumerate() {
@@ -232,7 +269,7 @@ fn draw_time_panel(sheet: &Sheet, run: &Run, plan: &Plan) -> Drawn {
 }
 
 /// Share of the logarithmic axis; 0 for values that have no logarithm.
-fn log_share(value: f64, (least, most): (f64, f64)) -> f64 {
+pub(super) fn log_share(value: f64, (least, most): (f64, f64)) -> f64 {
     if value > least {
         (value / least).log10() / (most / least).log10()
     } else {
@@ -265,7 +302,7 @@ fn draw_decades(sheet: &Sheet, plan: &Plan, range_us: (f64, f64)) -> Drawn {
     Ok(())
 }
 
-fn decade_name(decade: f64) -> String {
+pub(super) fn decade_name(decade: f64) -> String {
     if decade < 1e5 {
         decade.to_string()
     } else {

@@ -38,6 +38,7 @@ pub fn index_html(report: &Report) -> String {
                 .map(slaps_sentence)
                 .unwrap_or_default(),
         ),
+        ("joints", super::joints_html::section(report)),
         ("hash_rows", hash_rows(report)),
         ("hand_fixed_limit", HAND_FIXED_OVERLAP_MM_MAX.to_string()),
         ("ball_limit", BALL_OVERLAP_MM_MAX.to_string()),
@@ -61,24 +62,29 @@ fn filled(template: &str, fields: &[(&str, String)]) -> String {
     page
 }
 
-struct Cell {
+pub(super) struct Cell {
     text: String,
     is_broken: bool,
 }
 
 impl Cell {
-    fn plain(text: String) -> Self {
+    pub(super) fn plain(text: String) -> Self {
         Self {
             text,
             is_broken: false,
         }
     }
 
-    fn limited(value_mm: f64, limit_mm: f64) -> Self {
+    pub(super) fn limited(value_mm: f64, limit_mm: f64) -> Self {
         Self {
             text: length_mm(value_mm),
             is_broken: is_beyond(value_mm, limit_mm),
         }
+    }
+
+    /// Text that says itself whether its limit is kept.
+    pub(super) fn judged(text: String, is_broken: bool) -> Self {
+        Self { text, is_broken }
     }
 
     fn optional(value_mm: Option<f64>, limit_mm: f64) -> Self {
@@ -88,7 +94,7 @@ impl Cell {
         }
     }
 
-    fn html(&self) -> String {
+    pub(super) fn html(&self) -> String {
         let Self { text, is_broken } = self;
         let text = escaped(text);
         if *is_broken {

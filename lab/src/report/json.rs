@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use serde::Serialize;
 use serde_json::ser::{CompactFormatter, Formatter, PrettyFormatter, Serializer};
 
-use super::{Phase, Report};
+use super::{ArmSlaps, FigureScene, Phase, Report};
 
 /// Report, `runs`, run, `phases` or `samples`: what is nested deeper goes on one line.
 const INDENTED_LEVELS: usize = 4;
@@ -49,6 +49,8 @@ fn has_finite_numbers(report: &Report) -> bool {
         .into_iter()
         .chain(phases)
         .chain(sample_numbers)
+        .chain(report.figures.iter().flat_map(FigureScene::numbers))
+        .chain(report.arm_slaps.iter().flat_map(ArmSlaps::numbers))
         .all(f64::is_finite)
 }
 

@@ -54,6 +54,15 @@ pub(super) const IMPULSES: Role = Role {
     dark: 0xE3A55F,
 };
 
+pub(super) const STEPS: Role = Role {
+    light: 0x6A4C93,
+    dark: 0xC0A2E8,
+};
+pub(super) const ADJUSTED: Role = Role {
+    light: 0x8A5A1F,
+    dark: 0xD9AC72,
+};
+
 /// Backgrounds of phases, in turn.
 pub(super) const BANDS: [Role; 4] = [
     Role {
@@ -74,7 +83,7 @@ pub(super) const BANDS: [Role; 4] = [
     },
 ];
 
-const ROLES: [Role; 11] = [
+const ROLES: [Role; 13] = [
     PAPER,
     INK,
     QUIET_INK,
@@ -86,6 +95,8 @@ const ROLES: [Role; 11] = [
     SLOWEST,
     CONTACTS,
     IMPULSES,
+    STEPS,
+    ADJUSTED,
 ];
 
 impl Role {

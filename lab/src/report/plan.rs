@@ -69,7 +69,7 @@ impl Plan {
 }
 
 impl Panel {
-    fn new(top: f64, height: f64) -> Self {
+    pub(super) fn new(top: f64, height: f64) -> Self {
         Self {
             top,
             bottom: top + height,

@@ -38,6 +38,8 @@ pub fn report() -> Report {
         runs: runs
             .map(|((name, ball, noise), seed)| run(name, ball, noise, seed, &PAPER_PHASES))
             .collect(),
+        figures: Vec::new(),
+        arm_slaps: None,
     }
 }
 

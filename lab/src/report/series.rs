@@ -28,11 +28,12 @@ pub(super) fn frame_range(run: &Run) -> (f64, f64) {
 /// Whole decades that hold every frame time, and at least 1 to 1000 microseconds so that runs can
 /// be compared by eye.
 pub(super) fn time_range_us(run: &Run) -> (f64, f64) {
-    let times = run
-        .samples
-        .iter()
-        .map(|sample| sample.time_us)
-        .filter(|time| time.is_finite() && *time > 0.0);
+    decades_around(run.samples.iter().map(|sample| sample.time_us))
+}
+
+/// The same for any times.
+pub(super) fn decades_around(times: impl Iterator<Item = f64>) -> (f64, f64) {
+    let times = times.filter(|time| time.is_finite() && *time > 0.0);
     let (least, most) = times.fold((1.0_f64, 1000.0_f64), |(least, most), time| {
         (least.min(time), most.max(time))
     });
@@ -57,7 +58,12 @@ pub(super) fn curve(run: &Run, value: impl Fn(&FrameSample) -> f64) -> Curve {
 
 /// Odd number of frames over which the median runs; `None` if the run is too short to need one.
 pub(super) fn window_frames(run: &Run) -> Option<usize> {
-    let window = (run.samples.len() / WINDOWS) | 1;
+    window_over(run.samples.len())
+}
+
+/// The same for a number of frames.
+pub(super) fn window_over(frames: usize) -> Option<usize> {
+    let window = (frames / WINDOWS) | 1;
     (window >= WINDOW_FRAMES_MIN).then_some(window)
 }
 

@@ -11,7 +11,7 @@ use super::{
 };
 
 /// Phases stand under the name of their run.
-const INDENT: &str = "  ";
+pub(super) const INDENT: &str = "  ";
 
 /// The report as text: machine and hand, a table of frame times and work, a table of what must
 /// hold, and the state hashes. Both tables have one row per phase under the name of its run; a
@@ -25,12 +25,14 @@ pub fn table(report: &Report) -> String {
             promise_table(&report.runs)
         ),
         state_hashes(&report.runs),
+        super::joints_table::tables(&report.figures, report.arm_slaps.as_ref()),
         report
             .slaps
             .as_ref()
             .map(slaps_sentence)
             .unwrap_or_default(),
     ];
+    let sections: Vec<String> = sections.into_iter().filter(|s| !s.is_empty()).collect();
     sections.join("\n\n") + "\n"
 }
 
@@ -139,15 +141,24 @@ fn promise_cells(phase: &Phase) -> Vec<String> {
     ]
 }
 
-fn marked(value_mm: f64, limit_mm: f64) -> String {
+pub(super) fn marked(value_mm: f64, limit_mm: f64) -> String {
     mark(length_mm(value_mm), is_beyond(value_mm, limit_mm))
 }
 
-fn mark(text: String, is_broken: bool) -> String {
+pub(super) fn mark(text: String, is_broken: bool) -> String {
     if is_broken { format!("!{text}") } else { text }
 }
 
 fn phase_table(header: &[&str], runs: &[Run], cells: fn(&Phase) -> Vec<String>) -> String {
+    let mut table = table_with(header);
+    for run in runs {
+        add_run(&mut table, run, cells);
+    }
+    table.trim_fmt()
+}
+
+/// An empty table.
+pub(super) fn table_with(header: &[&str]) -> Table {
     let mut table = Table::new();
     table
         .load_style(presets::UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()))
@@ -158,10 +169,7 @@ fn phase_table(header: &[&str], runs: &[Run], cells: fn(&Phase) -> Vec<String>) 
             .enumerate()
             .map(|(column, text)| aligned(column, text)),
     );
-    for run in runs {
-        add_run(&mut table, run, cells);
-    }
-    table.trim_fmt()
+    table
 }
 
 fn add_run(table: &mut Table, run: &Run, cells: fn(&Phase) -> Vec<String>) {
@@ -172,7 +180,7 @@ fn add_run(table: &mut Table, run: &Run, cells: fn(&Phase) -> Vec<String>) {
     }
 }
 
-fn aligned(column: usize, text: &str) -> Cell {
+pub(super) fn aligned(column: usize, text: &str) -> Cell {
     let alignment = if column == 0 {
         CellAlignment::Left
     } else {
