@@ -12,11 +12,26 @@
 //! tracker --> 1 couple      where driven things want to be         [`couple`]
 //!             2 pairs       which pieces may touch this frame
 //!             3 contacts    how deep, and the way out
-//!             4 reach       a way around the contacts            [`reach`]
+//!             4 reach       a way around the contacts          [`reach`]
 //!             5 advance     along a path that never overlaps
 //!             6 impulses    what the loose objects do
 //!             publish  -->  poses for the host to draw
 //! ```
+//!
+//! Stages 3 to 5 take turns until a driven body is where its tracker wants it, nothing is gained any
+//! more, or the budget is spent. What did not move last frame and is asked the same again is not asked.
+//!
+//! # Skeletons
+//!
+//! A driven body may carry chains of joints: an avatar's arms, a hand's fingers. A joint is a hinge, or a
+//! ball of three hinges with a reach cone; pieces hang on links. The host tells target angles
+//! ([`world::World::set_angles`]), tracked link poses ([`world::World::set_link_poses`]) or the tip's pose
+//! alone ([`world::World::set_tip`]); free chains follow to the bit. In contact a chain takes the angles
+//! nearest to the tracked ones that keep its links outside the contact planes and within the limits, and
+//! what it cannot evade the root does. Links move along certified ways, as everything driven does.
+//! [`human`] has joints, ranges and lengths of people.
+//!
+//! # Modules
 //!
 //! [`frame`] holds the stages together, [`world`] is the host's handle, [`geometry`] answers questions
 //! about pieces and knows nothing of frames, [`state`] says what the columns mean that [`memory`] cuts
@@ -25,8 +40,9 @@
 //! # Promises
 //!
 //! * Nothing shows overlap: from a world without overlap no published driven pose overlaps a fixed body
-//!   by more than [`limits::OVERLAP_SLOP_M`], at any speed and any budget; loose bodies overlap nothing
-//!   by more than 1 mm.
+//!   by more than [`limits::OVERLAP_SLOP_M`], at any speed and any budget; loose bodies, links of one
+//!   body and driven bodies overlap each other by no more than 1 mm.
+//! * Joints keep their ranges and balls their reach cones, wherever a frame is cut.
 //! * Free motion has no lag: with nothing in the way the published pose equals the target to the bit.
 //! * Rest is rest: with a still tracker, poses stop changing by a single bit.
 //! * Same input, same bits, on every processor and at every optimisation level.
@@ -34,8 +50,9 @@
 //!   snapshot.
 //! * Bad input gets a named error or a documented clamp, and the last good state stays.
 //!
-//! Not promised: two driven bodies do not see each other yet, and overlap that the host itself makes is
-//! reported and undone, not prevented.
+//! Not promised: overlap that the host itself makes is reported and undone, not prevented. A driven body
+//! that a loose object stops in the middle of a frame may be met by another driven body that moved beside
+//! it, and a ball joint that it stops there may be outside its cone by the sagitta of one frame's arc.
 //!
 //! # Units
 //!

@@ -177,3 +177,36 @@ fn equal_questions_have_equal_answers_and_ties_go_to_the_first_edge() {
     assert_eq!(cone.nearest(away), cone.corners()[0]);
     assert_eq!(cone.visible(), Vec3::ONE.normalize());
 }
+
+#[test]
+fn what_is_hardly_outside_is_not_sent_to_another_edge() {
+    // Found by random skeletons: a third of a milliradian from a corner, a hair outside one of its edges,
+    // the cosines to both edges are one in f32, and the first edge was taken.
+    let corners = [
+        Vec3::new(1.0, 1.0, 1.0),
+        Vec3::new(-1.0, 1.0, 1.0),
+        Vec3::new(-0.3, 0.0, 1.0),
+        Vec3::new(-1.0, -1.0, 1.0),
+        Vec3::new(1.0, -1.0, 1.0),
+    ];
+    let cone = ReachCone::new(Vec3::new(0.2, 0.0, 1.0), &corners).unwrap();
+    for (corner, next) in [(0, 1), (1, 2), (2, 3), (3, 4), (4, 0)] {
+        let (a, b) = (cone.corners()[corner], cone.corners()[next]);
+        let outward = -a.cross(b).normalize();
+        for along in [1e-4_f32, 2e-4, 3e-4] {
+            for aside in [2e-7_f32, 1e-6, 1e-5] {
+                let on = (a + (b - a).normalize() * along).normalize();
+                let limb = (on + outward * aside).normalize();
+                let nearest = cone.nearest(limb);
+                assert!(
+                    (nearest - limb).length() <= 1.5 * aside + 1e-7,
+                    "{corner} {along} {aside}"
+                );
+                assert!(
+                    cone.outside_rad(nearest) <= 1e-6,
+                    "{corner} {along} {aside}"
+                );
+            }
+        }
+    }
+}

@@ -170,7 +170,15 @@ impl Ball {
         self.place(angles, [a, b, twist]);
     }
 
+    /// Writes the ball's angles, by whole turns within the ranges of its swing.
     fn place(&self, angles: &mut [f32], own: [f32; BALL_HINGES]) {
+        let [a, b, twist] = own;
+        let a = if a.abs() > SWING_RAD {
+            turns_nearest(a, 0.0)
+        } else {
+            a
+        };
+        let own = [a, turns_nearest(b, 0.0), twist];
         for (angle, found) in angles.iter_mut().skip(self.first).zip(own) {
             *angle = found;
         }

@@ -162,13 +162,15 @@ impl ReachCone {
         if self.contains(limb) {
             return limb;
         }
+        // By chords: the cosine of half a milliradian is one in f32.
+        let far = |found: Vec3| (limb - found).length_squared();
         let mut best = self.corners[0];
-        let mut most = limb.dot(best);
+        let mut least = far(best);
         for index in 0..self.count() {
             let (a, b) = self.edge(index);
             let found = nearest_of_arc(a, b, limb);
-            if limb.dot(found) > most {
-                (best, most) = (found, limb.dot(found));
+            if far(found) < least {
+                (best, least) = (found, far(found));
             }
         }
         best
@@ -187,7 +189,8 @@ impl ReachCone {
 
 /// The point of the shorter arc from `a` to `b` that is nearest to a unit vector.
 fn nearest_of_arc(a: Vec3, b: Vec3, limb: Vec3) -> Vec3 {
-    let nearer_end = if limb.dot(b) > limb.dot(a) { b } else { a };
+    let far = |end: Vec3| (limb - end).length_squared();
+    let nearer_end = if far(b) < far(a) { b } else { a };
     let normal = a.cross(b);
     let foot = limb - normal * (normal.dot(limb) / normal.length_squared());
     let between = a.cross(foot).dot(normal) > 0.0 && foot.cross(b).dot(normal) > 0.0;

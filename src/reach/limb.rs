@@ -94,6 +94,14 @@ pub(super) fn solve(
         for (index, angle) in wanted.iter_mut().enumerate() {
             *angle = angle_at(*angle, state.ways.wanted[joints.start + index], limb.share);
         }
+        if limb.share < 1.0 {
+            // Between two allowed postures there may be some that are not.
+            for joint in joints.clone() {
+                if let Some(ball) = ball_at(state, joint, joints.start) {
+                    ball.kept(&mut wanted);
+                }
+            }
+        }
     }
     let (angles, solved) = if touches.is_empty() {
         (wanted, Solved::default())

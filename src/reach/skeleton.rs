@@ -13,7 +13,7 @@ use crate::limits::{CHAINS_PER_BODY_MAX, GAP_FLOOR_M, GAP_REST_M};
 use crate::math;
 use crate::state::State;
 use crate::state::chains::{
-    ChainOptions, ChainReport, End, ball_at, chains_of, joints_of, place_links, slot_range,
+    ChainOptions, ChainReport, End, chains_of, cone_slot, joints_of, place_links, slot_range,
 };
 use crate::state::purse::Purse;
 use crate::state::ways::{Position, is_own};
@@ -62,27 +62,29 @@ pub(crate) fn stay(state: &mut State, body: usize, leg: usize) {
 /// The largest share of a leg, no more than `reached`, at which every ball is within its cone: angles
 /// between two allowed postures need not be allowed where a cone's edges are not straight in them.
 pub(crate) fn within_cones(state: &State, body: usize, leg: usize, reached: f32) -> f32 {
-    let slot = slot_range(state, leg).start;
     let mut share = reached;
-    for chain in chains_of(state, body) {
-        let joints = joints_of(state, chain);
-        let balls = joints
-            .clone()
-            .filter_map(|joint| ball_at(state, joint, joints.start));
-        for ball in balls {
-            let first = slot + joints.start + ball.first;
-            let limb = |share: f32| {
-                let at = |i: usize| angle_at(state.ways.from[i], state.ways.to[i], share);
-                ball.cone.contains(limb_at(at(first), at(first + 1)))
-            };
-            let mut halvings = 0;
-            while share > 0.0 && share < 1.0 && !limb(share) {
-                halvings += 1;
-                share = if halvings > 10 { 0.0 } else { 0.5 * share };
-            }
+    for _ in 0..CONE_HALVINGS_MAX {
+        if share <= 0.0 || share >= 1.0 || are_within_cones(state, body, leg, share) {
+            return share;
         }
+        share *= 0.5;
     }
-    share
+    0.0
+}
+
+/// How often the share of a leg is halved to bring balls into their cones.
+const CONE_HALVINGS_MAX: u32 = 10;
+
+fn are_within_cones(state: &State, body: usize, leg: usize, share: f32) -> bool {
+    let slot = slot_range(state, leg).start;
+    chains_of(state, body).all(|chain| {
+        joints_of(state, chain).all(|joint| {
+            let at = slot + joint;
+            let angle = |at: usize| angle_at(state.ways.from[at], state.ways.to[at], share);
+            state.joints.ball[joint] == 0
+                || state.joints.cone[cone_slot(joint)].contains(limb_at(angle(at), angle(at + 1)))
+        })
+    })
 }
 
 /// Holds the chains of the pair that blocks the way; false when there are none that move.

@@ -250,11 +250,11 @@ impl World<'_> {
         }
         let pieces = &mut self.state.pieces;
         for (piece, pose) in PiecesOf::new(pieces.next, first).zip(poses) {
-            if let Some(pose) = pose.normalised(WORLD_REACH_M) {
-                if pieces.local_target[piece] != pose {
-                    pieces.local_target[piece] = pose;
-                    self.state.bodies.settled[body].is_settled = 0;
-                }
+            if let Some(pose) = pose.normalised(WORLD_REACH_M)
+                && pieces.local_target[piece] != pose
+            {
+                pieces.local_target[piece] = pose;
+                self.state.bodies.settled[body].is_settled = 0;
             }
         }
         Ok(())
