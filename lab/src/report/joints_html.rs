@@ -125,12 +125,15 @@ fn table(
     )
 }
 
+/// What is to be said of a scene, if anything is.
+type Sentence = fn(&FigureScene) -> Option<String>;
+
 fn sentences(report: &Report) -> String {
     let slaps = report.arm_slaps.iter().map(slaps_sentence);
     let slaps: String = slaps
         .map(|text| format!("<p class=\"note\">{}.</p>\n", escaped(&text)))
         .collect();
-    let groups: [(&str, fn(&FigureScene) -> Option<String>); 3] = [
+    let groups: [(&str, Sentence); 3] = [
         (WRIST_HEADING, wrist_sentence),
         (REST_HEADING, rest_sentence),
         (ONSET_HEADING, onset_sentence),
