@@ -58,7 +58,7 @@ impl Suite {
             all.push((hulls.clone(), scene));
             if kind == MotionKind::PushWall {
                 let mut scene = of_motion(&self.hulls_figure, kind, CYCLIC);
-                scene.name += ", cyclic descent";
+                scene.name = "wall by cyclic descent".to_owned();
                 all.push((hulls.clone(), scene));
             }
         }

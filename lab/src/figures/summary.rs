@@ -106,7 +106,7 @@ fn first_contacts(samples: &[Sample]) -> Vec<FirstContact> {
         f64::from(total) / steps.len().max(1) as f64
     };
     let one = |&(first, last): &(usize, usize)| FirstContact {
-        frame: first as u32,
+        first_frame: first as u32,
         frames: (last + 1 - first) as u32,
         steps_onset_mean: mean(first, first + ONSET_FRAMES),
         steps_sustained_mean: mean(

@@ -68,7 +68,7 @@ pub fn into_wall<'s>(plan: &'s AvatarPlan, figure: &'s Figure) -> Result<Scene<'
         Pose::new(start.quat(), at)
     };
     Ok(Scene {
-        name: "wrist tracker 150 mm in a wall".to_owned(),
+        name: "wrist 150 mm in a wall".to_owned(),
         figure,
         things: vec![fixed(&wall)],
         options: ChainOptions {

@@ -70,7 +70,7 @@ pub struct FigureScene {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FirstContact {
     /// First frame with contact.
-    pub frame: u32,
+    pub first_frame: u32,
     /// Number of frames.
     pub frames: u32,
     /// Mean number of solver steps over the first 20 frames.

@@ -49,15 +49,14 @@ pub fn joints_svg(scene: &FigureScene) -> String {
 }
 
 fn title(scene: &FigureScene) -> String {
-    let name = scene.name.strip_suffix(", cyclic descent");
-    let name = name.unwrap_or(&scene.name);
+    let name = &scene.name;
     let (first, rest) = name.split_at(name.chars().next().map_or(0, char::len_utf8));
-    format!(
-        "{}{rest}: {}, {}",
-        first.to_uppercase(),
-        scene.figure,
-        scene.method
-    )
+    let title = format!("{}{rest}: {}", first.to_uppercase(), scene.figure);
+    if name.contains(&scene.method) {
+        title
+    } else {
+        format!("{title}, {}", scene.method)
+    }
 }
 
 fn summary(scene: &FigureScene) -> String {

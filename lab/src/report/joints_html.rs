@@ -6,7 +6,10 @@ use super::figures::{BEYOND_LIMITS_RAD_MAX, FigureScene};
 use super::format::{count, time_us};
 use super::html::Cell;
 use super::joints::joints_svg;
-use super::joints_table::{onset_sentence, radians, rest_sentence, slaps_sentence, wrist_sentence};
+use super::joints_table::{
+    ONSET_HEADING, REST_HEADING, WRIST_HEADING, onset_sentence, radians, rest_sentence,
+    slaps_sentence, wrist_sentence,
+};
 use super::{BALL_OVERLAP_MM_MAX, HAND_FIXED_OVERLAP_MM_MAX, Report, joints_file_name};
 
 /// The page's section on figures with joints; empty without scenes.
@@ -122,14 +125,31 @@ fn table(
     )
 }
 
+/// What is to be said of a scene, if anything is.
+type Sentence = fn(&FigureScene) -> Option<String>;
+
 fn sentences(report: &Report) -> String {
-    let mut all: Vec<String> = report.arm_slaps.iter().map(slaps_sentence).collect();
-    all.extend(report.figures.iter().filter_map(wrist_sentence));
-    all.extend(report.figures.iter().filter_map(rest_sentence));
-    let onsets = report.figures.iter().filter(|scene| is_drawn(scene));
-    all.extend(onsets.filter_map(onset_sentence));
-    let paragraph = |text: &String| format!("<p class=\"note\">{}.</p>\n", escaped(text));
-    all.iter().map(paragraph).collect()
+    let slaps = report.arm_slaps.iter().map(slaps_sentence);
+    let slaps: String = slaps
+        .map(|text| format!("<p class=\"note\">{}.</p>\n", escaped(&text)))
+        .collect();
+    let groups: [(&str, Sentence); 3] = [
+        (WRIST_HEADING, wrist_sentence),
+        (REST_HEADING, rest_sentence),
+        (ONSET_HEADING, onset_sentence),
+    ];
+    let lists = groups.map(|(heading, of)| list(heading, report.figures.iter().filter_map(of)));
+    slaps + &lists.concat()
+}
+
+fn list(heading: &str, items: impl Iterator<Item = String>) -> String {
+    let items: String = items
+        .map(|text| format!("<li>{}</li>\n", escaped(&text)))
+        .collect();
+    if items.is_empty() {
+        return items;
+    }
+    format!("<p class=\"note\">{heading}:</p>\n<ul class=\"note\">\n{items}</ul>\n")
 }
 
 /// Scenes whose figure the page shows: of the capsules' the files alone are left.

@@ -1,7 +1,9 @@
 //! Figures with joints in a terminal.
 
 use super::data::is_beyond;
-use super::figures::{ArmSlaps, BEYOND_LIMITS_RAD_MAX, FigureScene, WRIST_OFF_MM_MAX};
+use super::figures::{
+    ArmSlaps, BEYOND_LIMITS_RAD_MAX, FigureScene, FirstContact, WRIST_OFF_MM_MAX,
+};
 use super::format::{NOTHING, count, length_mm, mean, time_us};
 use super::table::{INDENT, aligned, mark, marked, table_with};
 use super::{BALL_OVERLAP_MM_MAX, HAND_FIXED_OVERLAP_MM_MAX};
@@ -18,17 +20,35 @@ pub fn tables(scenes: &[FigureScene], slaps: Option<&ArmSlaps>) -> String {
             "Figures: overlap, limits and jumps (! beyond the promised limit)\n{}",
             promise_table(scenes)
         ),
-        lines(scenes, |scene| rest_sentence(scene).into_iter().collect()),
-        lines(scenes, |scene| wrist_sentence(scene).into_iter().collect()),
-        lines(scenes, |scene| onset_sentence(scene).into_iter().collect()),
+        lines(REST_HEADING, scenes, rest_sentence),
+        lines(WRIST_HEADING, scenes, wrist_sentence),
+        lines(ONSET_HEADING, scenes, onset_sentence),
         slaps.map(slaps_sentence).unwrap_or_default(),
     ];
     let sections: Vec<String> = sections.into_iter().filter(|s| !s.is_empty()).collect();
     sections.join("\n\n")
 }
 
-fn lines(scenes: &[FigureScene], of: impl Fn(&FigureScene) -> Vec<String>) -> String {
-    scenes.iter().flat_map(of).collect::<Vec<_>>().join("\n")
+/// Over what [`rest_sentence`] says.
+pub(super) const REST_HEADING: &str = "Targets that are still in contact";
+
+/// Over what [`wrist_sentence`] says.
+pub(super) const WRIST_HEADING: &str = "Tracker at the wrist";
+
+/// Over what [`onset_sentence`] says.
+pub(super) const ONSET_HEADING: &str = "Mean solver steps a frame in the first 20 frames of contact, \
+                                        then in the next 100";
+
+fn lines(
+    heading: &str,
+    scenes: &[FigureScene],
+    of: impl Fn(&FigureScene) -> Option<String>,
+) -> String {
+    let found: Vec<String> = scenes.iter().filter_map(of).collect();
+    if found.is_empty() {
+        return String::new();
+    }
+    format!("{heading}\n{INDENT}{}", found.join(&format!("\n{INDENT}")))
 }
 
 fn work_table(scenes: &[FigureScene]) -> String {
@@ -74,7 +94,6 @@ fn promise_table(scenes: &[FigureScene]) -> String {
         "jump\n°",
         "wanted\n°",
         "root off\nmm",
-        "state hash",
     ];
     scene_table(&header, scenes, |scene| {
         vec![
@@ -88,7 +107,6 @@ fn promise_table(scenes: &[FigureScene]) -> String {
             format!("{:.2}", scene.jump_deg_max),
             format!("{:.2}", scene.wanted_jump_deg_max),
             format!("{:.2}", scene.root_off_mm_max),
-            scene.state_hash.clone(),
         ]
     })
 }
@@ -129,7 +147,7 @@ pub(super) fn rest_sentence(scene: &FigureScene) -> Option<String> {
         "!not still to the bit at their end".to_owned()
     };
     Some(format!(
-        "{}, {}: target still for {} frames from {} on, {settled}",
+        "{}, {}: {} frames from {} on, {settled}",
         scene.figure, scene.name, rest.frames, rest.first_frame
     ))
 }
@@ -139,8 +157,7 @@ pub(super) fn wrist_sentence(scene: &FigureScene) -> Option<String> {
     let wrist = scene.wrist?;
     let is_broken = is_beyond(wrist.off_mm_max, WRIST_OFF_MM_MAX);
     Some(format!(
-        "{}, {}: wrist at most {} mm (≤ {WRIST_OFF_MM_MAX}) from the nearest place in front of the wall, \
-         arm at most {} mm from the wall",
+        "{}, {}: {} mm (≤ {WRIST_OFF_MM_MAX}) from the nearest place, arm {} mm from the wall",
         scene.figure,
         scene.name,
         mark(length_mm(wrist.off_mm_max), is_broken),
@@ -150,29 +167,26 @@ pub(super) fn wrist_sentence(scene: &FigureScene) -> Option<String> {
 
 /// The effect of the paper's figure 7: whether the solvers do more when contact begins than after.
 pub(super) fn onset_sentence(scene: &FigureScene) -> Option<String> {
-    if scene.first_contacts.is_empty() {
-        return None;
-    }
-    let each = scene.first_contacts.iter().map(|contact| {
-        format!(
-            "{} then {} (frame {})",
-            mean(contact.steps_onset_mean),
-            mean(contact.steps_sustained_mean),
-            contact.frame
-        )
-    });
-    let each: Vec<String> = each.take(6).collect();
-    let more = scene.first_contacts.len().saturating_sub(each.len());
-    let more = if more > 0 {
-        format!(", and {more} more")
-    } else {
-        String::new()
+    let first = scene.first_contacts.first()?;
+    let contacts = scene.first_contacts.len();
+    let average = |value: fn(&FirstContact) -> f64| {
+        let sum: f64 = scene.first_contacts.iter().map(value).sum();
+        sum / contacts as f64
     };
+    let onset = average(|c| c.steps_onset_mean);
+    let sustained = average(|c| c.steps_sustained_mean);
     Some(format!(
-        "{}, {}: mean steps a frame in the first 20 frames of contact, then in the next 100: {}{more}",
+        "{}, {}: {} then {}, {} ({contacts} from frame {} on)",
         scene.figure,
         scene.name,
-        each.join(", ")
+        mean(onset),
+        mean(sustained),
+        if sustained < onset {
+            "falls"
+        } else {
+            "does not fall"
+        },
+        first.first_frame
     ))
 }
 
@@ -200,9 +214,11 @@ pub(super) fn slaps_sentence(slaps: &ArmSlaps) -> String {
         },
     );
     format!(
-        "{} slaps of the arm at a plate of 20 mm, {:.1} to {:.1} m/s: {}{speeds} went through, \
-         {} ended behind it (round its edge unless it is said that they went through), {} touched it, \
-         overlap at most {} mm, {} mm on the straight way between frames (through: 10 mm), own {} mm ({} swings begin in the body), past limits {} rad; frame time median / p99 / max {time} µs",
+        "{} slaps of the arm at a plate of 20 mm, {:.1} to {:.1} m/s: {}{speeds} went through;\n\
+         {INDENT}{} touched it, {} ended behind it, round its edge where none went through;\n\
+         {INDENT}overlap at most {} mm, {} mm on the straight way between frames (through: 10 mm);\n\
+         {INDENT}own {} mm ({} swings begin in the body), past limits {} rad;\n\
+         {INDENT}frame time median / p99 / max {time} µs",
         slaps.slaps,
         slaps.speed_min,
         slaps.speed_max,
@@ -210,8 +226,8 @@ pub(super) fn slaps_sentence(slaps: &ArmSlaps) -> String {
             slaps.tunnelled_speeds.len().to_string(),
             !slaps.tunnelled_speeds.is_empty()
         ),
-        slaps.behind,
         slaps.touched,
+        slaps.behind,
         marked(slaps.overlap_mm_max, HAND_FIXED_OVERLAP_MM_MAX),
         length_mm(slaps.overlap_between_mm_max),
         marked(slaps.overlap_own_mm_max, BALL_OVERLAP_MM_MAX),

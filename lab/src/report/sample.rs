@@ -1,6 +1,9 @@
 //! Made-up reports with the shape of real ones.
 
-use super::{Ball, FrameSample, HandCoverage, Machine, Phase, Quantiles, Report, Run};
+use super::{
+    ArmSlaps, Ball, FigureFrame, FigureScene, FirstContact, FrameSample, HandCoverage, Machine,
+    Phase, Quantiles, Report, Rest, Run, Wrist,
+};
 
 /// Name, number of frames, typical frame time in microseconds, typical number of contacts.
 type Plan = (&'static str, u32, f64, f64);
@@ -144,5 +147,99 @@ impl Chance {
         self.0 ^= self.0 << 25;
         self.0 ^= self.0 >> 27;
         (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+/// A made-up report with figures.
+pub fn report_with_figures() -> Report {
+    let names = [
+        ("avatar of 3648 triangles", "two arms into a wall"),
+        ("avatar of 3648 triangles", "wall by cyclic descent"),
+        ("hand with bending fingers", "on a mug's <handle>"),
+    ];
+    Report {
+        figures: names.map(|(figure, name)| scene(figure, name)).to_vec(),
+        arm_slaps: Some(ArmSlaps {
+            slaps: 200,
+            speed_min: 5.25,
+            speed_max: 19.75,
+            tunnelled_speeds: Vec::new(),
+            behind: 12,
+            touched: 199,
+            overlap_mm_max: 0.0,
+            overlap_between_mm_max: 7.5,
+            overlap_own_mm_max: 0.0,
+            began_in_itself: 3,
+            beyond_limits_rad_max: 0.0,
+            frame_time_us: None,
+        }),
+        ..report()
+    }
+}
+
+fn scene(figure: &str, name: &str) -> FigureScene {
+    let samples: Vec<FigureFrame> = (0..2001).map(figure_frame).collect();
+    FigureScene {
+        figure: figure.to_owned(),
+        name: name.to_owned(),
+        method: "cyclic descent".to_owned(),
+        frames: samples.len() as u32,
+        frame_time_us: Quantiles {
+            median: 1064.5,
+            p99: 1797.25,
+            p999: 2111.5,
+            max: 14_449.0,
+        },
+        overlap_fixed_mm_max: 0.0625,
+        overlap_loose_mm_max: 0.0,
+        overlap_own_mm_max: 0.5,
+        overlap_own_first_mm: 0.0,
+        overlap_own_grown_mm_max: 0.0,
+        astray_mm_max: 0.001,
+        beyond_limits_rad_max: 1.0 / 1_048_576.0,
+        jump_deg_max: 139.25,
+        wanted_jump_deg_max: 139.25,
+        root_off_mm_max: 1787.75,
+        steps_total: 417_457,
+        steps_max: 308,
+        steps_untouched: 0,
+        adjusted_max: 14,
+        contacts_max: 67,
+        state_hash: "97ddf445cf26a7e4".to_owned(),
+        first_contacts: [173, 773, 1373]
+            .map(|first_frame| FirstContact {
+                first_frame,
+                frames: 355,
+                steps_onset_mean: 127.25,
+                steps_sustained_mean: 182.75,
+            })
+            .to_vec(),
+        rest: Some(Rest {
+            first_frame: 301,
+            frames: 100,
+            moving_frames: 21,
+        }),
+        wrist: Some(Wrist {
+            off_mm_max: 4.5,
+            gap_mm_max: 0.125,
+        }),
+        samples,
+    }
+}
+
+fn figure_frame(frame: u32) -> FigureFrame {
+    let touches = frame % 600 > 173 && frame % 600 < 520;
+    FigureFrame {
+        frame,
+        time_us: if touches { 900.0 } else { 4.0 },
+        steps: u32::from(touches) * (100 + frame % 37),
+        adjusted: 14 * u32::from(touches),
+        contacts: 2 * u32::from(touches),
+        units: 20,
+        fixed_mm: 0.0,
+        loose_mm: 0.0,
+        own_mm: 0.0,
+        jump_deg: 0.5,
+        root_off_mm: 0.0,
     }
 }

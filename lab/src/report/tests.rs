@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::labels::text_width;
-use super::sample::{PAPER_PHASES, report, run};
+use super::sample::{PAPER_PHASES, report, report_with_figures, run};
 use super::*;
 
 const ONE_FRAME: (&str, u32, f64, f64) = ("x", 1, 2.0, 0.0);
@@ -46,10 +46,11 @@ fn quantiles_are_nearest_ranks() {
 
 #[test]
 fn json_reads_back_as_the_same_report() {
-    let report = report();
+    let report = report_with_figures();
     let json = to_json(&report).unwrap();
     assert_eq!(serde_json::from_str::<Report>(&json).unwrap(), report);
     let frames: u32 = report.runs.iter().map(|run| run.frames).sum();
+    let frames = frames + report.figures.iter().map(|scene| scene.frames).sum::<u32>();
     let frame_lines = json
         .lines()
         .filter(|line| line.trim_start().starts_with("{\"frame\": "));
@@ -97,7 +98,7 @@ fn slugs_are_file_names_and_differ() {
 
 #[test]
 fn table_has_a_row_per_phase_and_120_columns() {
-    let mut report = report();
+    let mut report = report_with_figures();
     report.runs[0].name = "ball as sphere, with noise..".to_owned();
     report.runs[0].phases[1].frame_time_us.max = 1234.5;
     report.runs[0].phases[1].units_total = 12_345_678;
@@ -186,7 +187,6 @@ fn assert_legible(run: &Run) {
     let svg = frame_time_svg(run);
     let document = Document::parse(&svg).unwrap();
     let [width, height] = view_box(&document);
-    let font = 16.0 * 8.0;
     let texts = texts(&document);
     for phase in &run.phases {
         let is_label = |text: &&Text| text.content == super::labels::shortened(&phase.name, 32);
@@ -202,6 +202,12 @@ fn assert_legible(run: &Run) {
             phase.name
         );
     }
+    assert_apart(&texts, [width, height]);
+}
+
+/// No text leaves the figure, no text meets another.
+fn assert_apart(texts: &[Text], [width, height]: [f64; 2]) {
+    let font = 16.0 * 8.0;
     let level: Vec<&Text> = texts.iter().filter(|text| !text.is_upright).collect();
     for (index, text) in level.iter().enumerate() {
         assert!(
@@ -222,6 +228,33 @@ fn assert_legible(run: &Run) {
 fn figures_are_legible() {
     for run in &report().runs {
         assert_legible(run);
+    }
+}
+
+#[test]
+fn figures_of_joints_are_legible() {
+    for scene in &report_with_figures().figures {
+        let svg = joints_svg(scene);
+        let document = Document::parse(&svg).unwrap();
+        assert_apart(&texts(&document), view_box(&document));
+        assert!(elements(&document, "polyline").len() > 10);
+    }
+}
+
+#[test]
+fn page_has_every_scene_of_the_figures() {
+    let report = report_with_figures();
+    let html = index_html(&report);
+    let page = page(&html);
+    let drawn = report.runs.len() + report.figures.len();
+    assert_eq!(elements(&page, "svg").len(), drawn);
+    let is_row = |node: &&Node, name: &str| {
+        node.attribute("scope") == Some("row") && node.text() == Some(name)
+    };
+    for scene in &report.figures {
+        let rows = elements(&page, "th");
+        let rows = rows.iter().filter(|node| is_row(node, &scene.name));
+        assert_eq!(rows.count(), 2, "{}", scene.name);
     }
 }
 
