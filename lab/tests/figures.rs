@@ -173,7 +173,6 @@ fn an_arm_led_by_the_wrist_keeps_out() {
 }
 
 #[test]
-#[ignore = "not kept yet: the arm sticks where the hand met the wall first"]
 fn a_wrist_stays_nearest_to_its_tracker() {
     for style in [Style::Hulls, Style::Capsules] {
         let scene = wrist_in_a_wall(style);

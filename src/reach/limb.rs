@@ -34,10 +34,14 @@ const TIP_SOFTNESS: f32 = 1e-5;
 const SLIDING_M: f32 = 5e-4;
 
 /// Most steps of a frame that slide a tip; what is left follows in the next one.
-const SLIDING_STEPS: u32 = 1;
+const SLIDING_STEPS: u32 = 4;
 
-/// Points of a chain nearer to its tip than this move with it, in metres.
+/// Points of a chain nearer to its tip than this move with it, in metres, and so do those of links that
+/// begin where the tip's link does.
 const TIP_NEAR_M: f32 = 0.15;
+
+/// Links that begin nearer to each other than this begin in one place, in metres.
+const SAME_PLACE_M: f32 = 1e-3;
 
 /// How often the lowest points of the touching pieces are looked for again.
 const ROUNDS: u32 = 3;
@@ -197,7 +201,10 @@ impl<'p> Problem<'p> {
         let mut planes = HalfSpaces::new();
         for goal in &self.goals[self.soft..] {
             let aside = goal.at(posture) - at;
-            if math::length(aside) <= TIP_NEAR_M {
+            let tip_link = posture[self.goals[0].link].link.translation();
+            let own = posture[goal.link].link.translation() - tip_link;
+            let goes_along = math::length(own) <= SAME_PLACE_M;
+            if goes_along || math::length(aside) <= TIP_NEAR_M {
                 let above = goal.normal.dot(self.tip + aside) - goal.height_m;
                 add(&mut planes, goal.normal, -above);
             }
