@@ -80,7 +80,7 @@ fn figure(random: &mut Random, world: &mut World, at: Pose) -> Figure {
         let mut at = random.unit().as_vec3() * 0.3;
         let mut joints = vec![];
         for _ in 0..1 + random.bits() % 3 {
-            joints.push(if random.bits() % 2 == 0 {
+            joints.push(if random.bits().is_multiple_of(2) {
                 ball(random, at)
             } else {
                 hinge(random, at)
@@ -89,10 +89,10 @@ fn figure(random: &mut Random, world: &mut World, at: Pose) -> Figure {
         }
         let base = chains
             .last()
-            .filter(|_| random.bits() % 3 == 0)
+            .filter(|_| random.bits().is_multiple_of(3))
             .map(|(id, _)| (*id, 0));
         let options = ChainOptions {
-            method: u32::from(random.bits() % 5 == 0),
+            method: u32::from(random.bits().is_multiple_of(5)),
             flags: (random.bits() % 16) as u32,
             attraction_s: random.between(0.0, 0.1) as f32,
             tip: [0.0, 0.0, 0.05],
@@ -161,14 +161,19 @@ fn run(seed: u64, frames: u32) -> (u64, u32) {
     let mut fixed = vec![];
     for _ in 0..6 {
         let mut at = pose(random, 0.8);
-        at.position[1] += 1.8 * if random.bits() % 2 == 0 { 1.0 } else { -1.0 };
+        at.position[1] += 1.8
+            * if random.bits().is_multiple_of(2) {
+                1.0
+            } else {
+                -1.0
+            };
         let half = [0, 1, 2].map(|_| random.between(0.02, 0.5) as f32);
         fixed.push(add_box(&mut world, BodyKind::Fixed, at, half));
     }
     let mut steps = 0;
     for frame in 0..frames {
         for figure in &figures {
-            if random.bits() % 4 == 0 {
+            if random.bits().is_multiple_of(4) {
                 world.set_target(figure.body, &pose(random, 2.0)).unwrap();
             }
             for (chain, joints) in &figure.chains {

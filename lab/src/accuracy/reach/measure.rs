@@ -47,7 +47,7 @@ impl Method {
     }
 
     /// The kernel's function; none for the peer.
-    pub fn kernel(self) -> Option<fn(&Task, &mut [f32], u32) -> Reached> {
+    pub fn kernel(self) -> Option<Solver> {
         match self {
             Self::CyclicDescent => Some(cyclic_descent),
             Self::LeastDeviation => Some(least_deviation),
@@ -55,6 +55,9 @@ impl Method {
         }
     }
 }
+
+/// A solver of the kernel.
+pub type Solver = fn(&Task, &mut [f32], u32) -> Reached;
 
 /// A case that is judged: what f64 says of it.
 pub struct Judged {
