@@ -11,6 +11,7 @@ use palpable::math::Pose;
 use palpable::memory::{BodyId, Capacities, ChainId};
 use palpable::state::bodies::BodyKind;
 use palpable::state::chains::ChainOptions;
+use palpable::state::pieces::Groups;
 use palpable::world::{BodyDef, ChainDef, PieceDef, Shape, World};
 
 const FRAME_S: f32 = 1.0 / 90.0;
@@ -388,4 +389,191 @@ fn without_budget_the_arm_is_held_before_the_wall_within_its_limits() {
         }
     }
     assert!(cut > 0);
+}
+
+#[test]
+fn a_rigid_chain_keeps_its_angles_and_moves_the_root() {
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    add_box(
+        &mut world,
+        BodyKind::Fixed,
+        Pose::at(0.0, 1.2, -0.55),
+        [2.0, 2.0, 0.1],
+    );
+    let shoulder = Pose::at(0.0, 1.4, 0.0);
+    let options = ChainOptions {
+        flags: ChainOptions::RIGID,
+        ..ChainOptions::DEFAULT
+    };
+    let (body, chain) = add_arm(&mut world, shoulder, options);
+    let mut steps = 0;
+    for frame in 0..200 {
+        let lift = (0.01 * frame as f32).min(1.5);
+        world
+            .set_angles(chain, &[lift, 0.0, 0.0, 0.05, 0.0, 0.0, 0.0])
+            .unwrap();
+        steps += step(&mut world, body, &shoulder).reach_steps;
+        assert!(depth_m(&world, body, chain, -0.45) <= f64::from(OVERLAP_SLOP_M));
+    }
+    for _ in 0..100 {
+        steps += step(&mut world, body, &shoulder).reach_steps;
+    }
+    assert_eq!(
+        world.angles(chain).unwrap(),
+        world.target_angles(chain).unwrap()
+    );
+    let back_m = world.pose(body).unwrap().position[2];
+    assert!(
+        (0.1..0.4).contains(&back_m) && steps == 0,
+        "{back_m} m, {steps} steps"
+    );
+}
+
+#[test]
+fn groups_let_driven_things_pass() {
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    let mut hands = vec![];
+    for (side, member_of, passes) in [(-0.3, 1, 0), (0.3, 2, 1)] {
+        let at = Pose::at(side, 1.0, 0.0);
+        let hand = world.add_body(&BodyDef::new(BodyKind::Driven, at)).unwrap();
+        let piece = world
+            .add_piece(hand, &PieceDef::new(Shape::Box([0.05; 3]), 0.0))
+            .unwrap();
+        world
+            .set_groups(piece, Groups { member_of, passes })
+            .unwrap();
+        hands.push(hand);
+    }
+    for frame in 0..60 {
+        let x = 0.3 - 0.01 * frame as f32;
+        for (hand, sign) in hands.iter().zip([-1.0, 1.0]) {
+            let target = Pose::at(sign * x, 1.0, 0.0);
+            world.set_target(*hand, &target).unwrap();
+        }
+        world.step(&FrameInput::unlimited(FRAME_S));
+        for (hand, sign) in hands.iter().zip([-1.0, 1.0]) {
+            assert_eq!(world.pose(*hand).unwrap(), Pose::at(sign * x, 1.0, 0.0));
+        }
+    }
+}
+
+#[test]
+fn a_hand_between_two_plates_stays_between_them() {
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    // A slot of 84 mm for a hand of 80 mm.
+    for z in [-0.442, -0.258] {
+        add_box(
+            &mut world,
+            BodyKind::Fixed,
+            Pose::at(0.0, 1.0, z),
+            [0.3, 0.25, 0.05],
+        );
+    }
+    let shoulder = Pose::at(0.0, 1.4, 0.0);
+    let (body, chain) = add_arm(&mut world, shoulder, ChainOptions::DEFAULT);
+    // Hanging forward into the slot.
+    let start = [0.95, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    world.place_angles(chain, &start).unwrap();
+    let mut steps = 0;
+    let mut before = vec![];
+    for frame in 0..300 {
+        let swing = 0.3 * (frame.min(200) as f32 * 0.05).sin();
+        let angles = [
+            0.95 + swing,
+            0.0,
+            0.0,
+            0.3 * swing.max(0.0),
+            0.0,
+            swing,
+            0.0,
+        ];
+        world.set_angles(chain, &angles).unwrap();
+        steps += step(&mut world, body, &shoulder).reach_steps;
+        for &plate in &[1, 2] {
+            let id = palpable::memory::BodyId {
+                index1: plate,
+                generation: 1,
+            };
+            let found = world.penetration(body, id).unwrap();
+            assert!(
+                found.depth_m <= OVERLAP_SLOP_M,
+                "frame {frame}: {} m",
+                found.depth_m
+            );
+        }
+        if frame > 290 {
+            assert_eq!(world.angles(chain).unwrap(), before, "still in the slot");
+        }
+        before = world.angles(chain).unwrap().to_vec();
+    }
+    assert!(steps > 100, "{steps} steps");
+}
+
+#[test]
+fn tracked_link_poses_give_the_angles_back() {
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    let shoulder = Pose::new(Quat::from_rotation_y(0.7), Vec3::new(0.3, 1.4, -0.2));
+    let (body, chain) = add_arm(&mut world, shoulder, ChainOptions::DEFAULT);
+    for frame in 0..200 {
+        let t = frame as f32 * 0.13;
+        let wanted: Vec<f32> = arm_joints()
+            .iter()
+            .enumerate()
+            .map(|(i, joint)| match joint {
+                JointDef::Hinge(hinge) => {
+                    let share = 0.5 + 0.5 * (t + 1.7 * i as f32).sin();
+                    hinge.low_rad + share * (hinge.high_rad - hinge.low_rad)
+                }
+                JointDef::Ball { .. } => unreachable!(),
+            })
+            .collect();
+        world.place_angles(chain, &wanted).unwrap();
+        world.place_body(body, &shoulder).unwrap();
+        let poses = world.link_poses(chain).unwrap().to_vec();
+        world.set_angles(chain, &[0.3; 7]).unwrap();
+        world.set_target(body, &shoulder).unwrap();
+        world.set_link_poses(chain, &poses).unwrap();
+        for (angle, wanted) in world.target_angles(chain).unwrap().iter().zip(&wanted) {
+            assert!((angle - wanted).abs() < 2e-6, "{angle} {wanted}");
+        }
+    }
+}
+
+#[test]
+fn a_snapshot_of_an_arm_at_a_wall_rolls_back_to_the_bit() {
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    add_box(
+        &mut world,
+        BodyKind::Fixed,
+        Pose::at(0.0, 1.2, -0.55),
+        [2.0, 2.0, 0.1],
+    );
+    let shoulder = Pose::at(0.0, 1.4, 0.0);
+    let (body, chain) = add_arm(&mut world, shoulder, ChainOptions::DEFAULT);
+    let play = |world: &mut World, from: u32| {
+        for frame in from..from + 60 {
+            let lift = 0.5 + 0.01 * frame as f32;
+            world
+                .set_angles(chain, &[lift, 0.1, 0.0, 0.1, 0.0, 0.0, 0.0])
+                .unwrap();
+            step(world, body, &shoulder);
+        }
+        world.hash()
+    };
+    play(&mut world, 0);
+    let mut saved = vec![0; world.snapshot_bytes()];
+    world.save(&mut saved).unwrap();
+    let first = play(&mut world, 60);
+    play(&mut world, 10);
+    world.load(&saved).unwrap();
+    assert_eq!(play(&mut world, 60), first);
+    let mut other_block = Block::new(&Capacities::ROOM);
+    let mut other = World::create(other_block.bytes(), &Capacities::ROOM).unwrap();
+    other.load(&saved).unwrap();
+    assert_eq!(play(&mut other, 60), first);
 }

@@ -93,7 +93,7 @@ fn figure(random: &mut Random, world: &mut World, at: Pose) -> Figure {
             .map(|(id, _)| (*id, 0));
         let options = ChainOptions {
             method: u32::from(random.bits().is_multiple_of(5)),
-            flags: (random.bits() % 16) as u32,
+            flags: (random.bits() % 32) as u32,
             attraction_s: random.between(0.0, 0.1) as f32,
             tip: [0.0, 0.0, 0.05],
         };

@@ -268,6 +268,11 @@
 #define PALP_CHAINS_PER_BODY_MAX 32
 
 /**
+ * Most joints of a human limb or finger.
+ */
+#define PALP_LIMB_JOINTS_MAX 5
+
+/**
  * Most corners of a reach cone.
  */
 #define PALP_CONE_CORNERS_MAX 12
@@ -316,6 +321,12 @@
 #define PALP_OPTION_RIGID 8
 
 /**
+ * Among chains that hang on the same, this one's turn comes by a number drawn from frame and chain instead
+ * of by how deep it is.
+ */
+#define PALP_OPTION_SHUFFLED 16
+
+/**
  * Contact changed the chain's angles.
  */
 #define PALP_CHAIN_BENT 1
@@ -334,6 +345,61 @@
  * The chain stayed as it was for a part of the frame: no way was found.
  */
 #define PALP_CHAIN_HELD 8
+
+/**
+ * Trunk, from the root. With `PALP_LIMB_ON_ROOT` there is none.
+ */
+#define PALP_LIMB_SPINE 0
+
+/**
+ * Neck and head.
+ */
+#define PALP_LIMB_NECK 1
+
+/**
+ * Left arm: ball shoulder, elbow, forearm's twist, wrist of two.
+ */
+#define PALP_LIMB_LEFT_ARM 2
+
+/**
+ * Right arm.
+ */
+#define PALP_LIMB_RIGHT_ARM 3
+
+/**
+ * Left leg: ball hip, knee, ankle of two.
+ */
+#define PALP_LIMB_LEFT_LEG 4
+
+/**
+ * Right leg.
+ */
+#define PALP_LIMB_RIGHT_LEG 5
+
+/**
+ * Thumb: five hinges.
+ */
+#define PALP_FINGER_THUMB 0
+
+/**
+ * Index finger: knuckle of two, two more.
+ */
+#define PALP_FINGER_INDEX 1
+
+/**
+ * Middle finger.
+ */
+#define PALP_FINGER_MIDDLE 2
+
+/**
+ * Ring finger.
+ */
+#define PALP_FINGER_RING 3
+
+/**
+ * Little finger.
+ */
+#define PALP_FINGER_LITTLE 4
 
 /**
  * A world. Its handle is the address of the block it lies in, which is the host's memory: there is
@@ -667,7 +733,7 @@ typedef struct palp_chain_options {
      */
     uint32_t method;
     /**
-     * `PALP_OPTION_MOVES_ROOT`, `PALP_OPTION_MEETS_BODY`, `PALP_OPTION_HOLDS_TIP` and `PALP_OPTION_RIGID`.
+     * Bits `PALP_OPTION_*`.
      */
     uint32_t flags;
     /**
@@ -1512,6 +1578,34 @@ palp_status palp_chain_report(const struct palp_world *world,
 palp_status palp_cone_check(const struct palp_vec3 *visible,
                             const struct palp_vec3 *corners,
                             uint32_t count);
+
+/**
+ * Joints, ranges and reach cones of a human limb for a body of a height from 0.3 to 3 m; ranges after the
+ * American Academy of Orthopaedic Surgeons, lengths after Drillis and Contini 1966. The root is midway
+ * between the hip joints, the body stands upright at zero angles, faces -Z, its right side is +X, its
+ * arms hang. `on_root` other than zero: arms and neck hang on the root, which has the trunk; else on the
+ * spine's last link. `joints` has room for `PALP_LIMB_JOINTS_MAX`; `count` gets their number. `tip` gets
+ * the limb's end in the last link's frame, in metres, and may be null.
+ */
+palp_status palp_human_limb(uint32_t which,
+                            uint32_t on_root,
+                            float height_m,
+                            struct palp_joint *joints,
+                            uint32_t *count,
+                            struct palp_vec3 *tip);
+
+/**
+ * Hinges of a finger whose bones a tracker gave at rest: `bones` are three poses of joints in the frame
+ * that the chain is to hang on, with OpenXR's axes (-Z along the bone, +Y to the back of the hand): of a
+ * finger its knuckle, middle and last joint, of the thumb its metacarpal, knuckle and last joint. `tip`
+ * is the finger's end in that frame, in metres. Zero angles are the rest pose. `joints` has room for
+ * `PALP_LIMB_JOINTS_MAX`; `count` gets their number.
+ */
+palp_status palp_human_finger(uint32_t which,
+                              const struct palp_pose *bones,
+                              const struct palp_vec3 *tip,
+                              struct palp_joint *joints,
+                              uint32_t *count);
 
 /**
  * Tells where a hand tracker sees the 26 joints of a hand that is a driven body: the wrist becomes the

@@ -4,6 +4,7 @@
 
 use palpable_kernel::geometry::chain::{Hinge, JointDef};
 use palpable_kernel::geometry::reach_cone::{ConeError, ReachCone};
+use palpable_kernel::human::LIMB_JOINTS_MAX;
 use palpable_kernel::limits::{CHAIN_HINGES_MAX, CHAINS_PER_BODY_MAX, REACH_CONE_EDGES_MAX};
 use palpable_kernel::memory::ChainId;
 use palpable_kernel::state::chains::{ChainOptions, ChainReport};
@@ -18,6 +19,8 @@ use crate::types::{palp_pose, palp_vec3};
 pub const PALP_CHAIN_HINGES_MAX: u32 = 16;
 /// Most chains of a body.
 pub const PALP_CHAINS_PER_BODY_MAX: u32 = 32;
+/// Most joints of a human limb or finger.
+pub const PALP_LIMB_JOINTS_MAX: u32 = 5;
 /// Most corners of a reach cone.
 pub const PALP_CONE_CORNERS_MAX: u32 = 12;
 
@@ -80,13 +83,17 @@ pub const PALP_OPTION_HOLDS_TIP: u32 = 4;
 /// Contact moves the root alone: the joints follow the tracked angles, as a rigid group does.
 pub const PALP_OPTION_RIGID: u32 = 8;
 
+/// Among chains that hang on the same, this one's turn comes by a number drawn from frame and chain instead
+/// of by how deep it is.
+pub const PALP_OPTION_SHUFFLED: u32 = 16;
+
 /// How a chain answers contact. Start from `PALP_CHAIN_OPTIONS_DEFAULT`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct palp_chain_options {
     /// `PALP_METHOD_LEAST_DEVIATION` or `PALP_METHOD_CYCLIC_DESCENT`.
     pub method: u32,
-    /// `PALP_OPTION_MOVES_ROOT`, `PALP_OPTION_MEETS_BODY`, `PALP_OPTION_HOLDS_TIP` and `PALP_OPTION_RIGID`.
+    /// Bits `PALP_OPTION_*`.
     pub flags: u32,
     /// Time constant of the return to the tracked angles once contact lets go, in seconds, 0 to 1e6: the
     /// deviation left after h seconds is exp(-h / attraction_s).
@@ -182,6 +189,36 @@ impl palp_joint {
         cone_corner_count: 0,
         cone_corners: [palp_vec3::new([0.0; 3]); PALP_CONE_CORNERS_MAX as usize],
     };
+
+    pub(crate) fn new(from: &JointDef) -> Self {
+        let mut new = Self {
+            struct_size: size_of::<Self>() as u32,
+            rest_pose: palp_pose::new(&from.rest()),
+            ..Self::NONE
+        };
+        match from {
+            JointDef::Hinge(hinge) => {
+                new.kind = PALP_JOINT_HINGE;
+                new.axis = palp_vec3::new(hinge.axis.to_array());
+                (new.low_rad, new.high_rad) = (hinge.low_rad, hinge.high_rad);
+            }
+            JointDef::Ball {
+                twist_low_rad,
+                twist_high_rad,
+                cone,
+                ..
+            } => {
+                new.kind = PALP_JOINT_BALL;
+                (new.low_rad, new.high_rad) = (*twist_low_rad, *twist_high_rad);
+                new.cone_visible = palp_vec3::new(cone.visible().to_array());
+                new.cone_corner_count = cone.corners().len() as u32;
+                for (slot, corner) in new.cone_corners.iter_mut().zip(cone.corners()) {
+                    *slot = palp_vec3::new(corner.to_array());
+                }
+            }
+        }
+        new
+    }
 
     pub(crate) fn hinge(&self) -> Hinge {
         Hinge {
@@ -293,6 +330,8 @@ const _: () = {
     assert!(PALP_OPTION_MEETS_BODY == ChainOptions::MEETS_BODY);
     assert!(PALP_OPTION_HOLDS_TIP == ChainOptions::HOLDS_TIP);
     assert!(PALP_OPTION_RIGID == ChainOptions::RIGID);
+    assert!(PALP_OPTION_SHUFFLED == ChainOptions::SHUFFLED);
+    assert!(PALP_LIMB_JOINTS_MAX as usize == LIMB_JOINTS_MAX);
     assert!(PALP_CHAIN_BENT == ChainReport::BENT);
     assert!(PALP_CHAIN_MISSED == ChainReport::MISSED);
     assert!(PALP_CHAIN_CUT == ChainReport::CUT);

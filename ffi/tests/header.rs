@@ -18,7 +18,7 @@ fn package() -> &'static Path {
 }
 
 /// The sources of exports, in the order of the header.
-const SOURCES: [&str; 13] = [
+const SOURCES: [&str; 14] = [
     "status.rs",
     "types.rs",
     "skeleton.rs",
@@ -27,6 +27,7 @@ const SOURCES: [&str; 13] = [
     "bodies.rs",
     "pieces.rs",
     "chains.rs",
+    "human.rs",
     "hands.rs",
     "frame.rs",
     "contacts.rs",

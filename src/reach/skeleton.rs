@@ -198,8 +198,11 @@ impl Planner {
     ) -> Solved {
         let mut all = Solved::default();
         let mut left: Chains = chains_of(state, self.body).collect();
+        let mut first = true;
         while let Some(place) = next(state, &left) {
             let chain = left.remove(place);
+            state.chains.led[chain] = u32::from(first);
+            first = false;
             let mut limb = Limb {
                 chain,
                 pairs: self.pairs,
@@ -216,8 +219,25 @@ impl Planner {
     }
 }
 
-/// The place in the list of the chain to solve next: of those whose base is solved the one that was
-/// deepest when it was last solved, the first of those that tie.
+/// A chain that was solved first stays first until another is deeper by this factor.
+const LEAD: f32 = 1.25;
+
+/// How urgent a chain is: how deep it was when it was last solved, or a number drawn from frame and chain.
+fn urgency(state: &State, chain: usize) -> f32 {
+    if state.chains.options[chain].has(ChainOptions::SHUFFLED) {
+        let seed = state.registers.frame.wrapping_mul(64) + chain as u64;
+        return (seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as f32;
+    }
+    let lead = if state.chains.led[chain] == 1 {
+        LEAD
+    } else {
+        1.0
+    };
+    lead * state.chains.depth[chain]
+}
+
+/// The place in the list of the chain to solve next: of those whose base is solved the most urgent, the
+/// first of those that tie.
 fn next(state: &State, left: &Chains) -> Option<usize> {
     let is_ready = |chain: usize| {
         let base = state.chains.base[chain].checked_sub(1);
@@ -226,13 +246,12 @@ fn next(state: &State, left: &Chains) -> Option<usize> {
             !left.contains(&under)
         })
     };
-    let mut best: Option<usize> = None;
+    let mut best: Option<(usize, f32)> = None;
     for (place, &chain) in left.iter().enumerate() {
-        let deeper =
-            best.is_none_or(|best| state.chains.depth[chain] > state.chains.depth[left[best]]);
-        if is_ready(chain) && deeper {
-            best = Some(place);
+        let urgent = urgency(state, chain);
+        if is_ready(chain) && best.is_none_or(|(_, most)| urgent > most) {
+            best = Some((place, urgent));
         }
     }
-    best
+    best.map(|(place, _)| place)
 }

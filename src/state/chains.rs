@@ -48,6 +48,9 @@ impl ChainOptions {
     pub const HOLDS_TIP: u32 = 1 << 2;
     /// Contact moves the root alone: the joints follow the tracked angles, as a rigid group does.
     pub const RIGID: u32 = 1 << 3;
+    /// Among chains that hang on the same, this one's turn comes by a number drawn from frame and chain, as
+    /// in Schmidl and Lin 2004, instead of by how deep it is.
+    pub const SHUFFLED: u32 = 1 << 4;
 
     /// Least deviation, moves the root, returns with a time constant of 60 ms.
     pub const DEFAULT: Self = Self {
@@ -60,7 +63,8 @@ impl ChainOptions {
     /// Whether the method and the flags are known, the attraction is 0 to 1e6 s, and the tip is finite.
     #[must_use]
     pub fn is_valid(&self) -> bool {
-        let known = Self::MOVES_ROOT | Self::MEETS_BODY | Self::HOLDS_TIP | Self::RIGID;
+        let known =
+            Self::MOVES_ROOT | Self::MEETS_BODY | Self::HOLDS_TIP | Self::RIGID | Self::SHUFFLED;
         self.method <= Self::CYCLIC_DESCENT
             && self.flags & !known == 0
             && (0.0..=1e6).contains(&self.attraction_s)
@@ -143,6 +147,8 @@ columns! {
         tip_settled: [Vec3; capacities.chains],
         /// How deep the chain was when it was last solved, in metres: the deepest is solved first.
         depth: [f32; capacities.chains],
+        /// One for a chain that was solved before all others last time.
+        led: [u32; capacities.chains],
     }
 }
 

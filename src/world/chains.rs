@@ -124,6 +124,7 @@ impl World<'_> {
         chains.asked[slot] = TipAsked::default();
         chains.tip_settled[slot] = Vec3::ZERO;
         chains.depth[slot] = 0.0;
+        chains.led[slot] = 0;
         let id = ChainId::new(slot, chains.generation[slot]);
         self.store_joints(slot, def.joints);
         let registers = &mut *self.state.registers;

@@ -426,6 +426,48 @@ static void run(void) {
     other_trackers();
 }
 
+/* A human arm and a finger, as the library knows them, on a body of their own. */
+static void human_limbs(void) {
+    palp_joint joints[PALP_LIMB_JOINTS_MAX];
+    palp_chain_def def = PALP_CHAIN_DEF_INIT;
+    palp_body_def body_def = PALP_BODY_DEF_INIT;
+    palp_pose bones[3] = {PALP_POSE_IDENTITY, PALP_POSE_IDENTITY, PALP_POSE_IDENTITY};
+    const palp_vec3 end = {0.0f, 0.0f, -0.09f};
+    palp_body_id person;
+    palp_chain_id limb, finger;
+    palp_vec3 tip;
+    const palp_pose *links;
+    uint32_t count;
+    body_def.kind = PALP_KIND_DRIVEN;
+    body_def.pose.position.z = 20.0f;
+    ok(palp_body_add(world, &body_def, &person), "palp_body_add");
+    ok(palp_human_limb(PALP_LIMB_RIGHT_ARM, 1, 1.75f, joints, &count, &tip), "palp_human_limb");
+    check(count == 5 && joints[0].kind == PALP_JOINT_BALL, "an arm is not an arm", 0);
+    def.joints = joints;
+    def.joint_count = count;
+    ok(palp_chain_add(world, person, &def, &limb), "palp_chain_add");
+    ok(palp_chain_link_poses(world, limb, &links, &count), "palp_chain_link_poses");
+    check(count == 7, "an arm has seven hinges", 0);
+    /* It hangs: the wrist is straight below the shoulder, by upper arm and forearm. */
+    check(fabs(links[0].position.x - links[6].position.x) < 1e-4 &&
+              fabs(links[0].position.y - links[6].position.y - 0.332 * 1.75) < 1e-3,
+          "the arm does not hang", 0);
+    bones[1].position.z = -0.04f;
+    bones[2].position.z = -0.065f;
+    ok(palp_human_finger(PALP_FINGER_INDEX, bones, &end, joints, &count), "palp_human_finger");
+    def.joint_count = count;
+    def.base = limb;
+    def.base_hinge = 6;
+    ok(palp_chain_add(world, person, &def, &finger), "palp_chain_add");
+    check(count == 4, "a finger has four hinges", 0);
+    check(palp_human_limb(6, 1, 1.75f, joints, &count, &tip) == PALP_BAD_ENUM, "no seventh limb", 0);
+    check(palp_human_limb(0, 1, NAN, joints, &count, NULL) == PALP_BAD_NUMBER, "no height", 0);
+    check(palp_human_limb(0, 1, 1.75f, NULL, &count, NULL) == PALP_NULL, "null joints", 0);
+    check(palp_human_finger(5, bones, &end, joints, &count) == PALP_BAD_ENUM, "no sixth finger", 0);
+    bones[1].orientation.w = NAN;
+    check(palp_human_finger(1, bones, &end, joints, &count) == PALP_BAD_POSE, "a bad bone", 0);
+}
+
 /* The next address that a block may start at. */
 static void *aligned(void *memory) {
     uintptr_t address = (uintptr_t)memory;
@@ -446,6 +488,7 @@ int main(void) {
     check(marks.chains == 3 && marks.joints == HINGES + 2, "chains are miscounted", FRAMES);
     ok(palp_state_hash(world, &hash), "palp_state_hash");
     printf("hash %016" PRIx64 "\n", hash);
+    human_limbs();
     free(memory);
     return 0;
 }

@@ -549,7 +549,7 @@ static void adding_chains(void) {
     WRONG_CHAIN(PALP_BAD_BASE, wrong.base.index1 = 1);
     WRONG_CHAIN(PALP_BAD_BASE, wrong.base.generation = 1);
     WRONG_CHAIN(PALP_BAD_OPTIONS, wrong.options.method = 2);
-    WRONG_CHAIN(PALP_BAD_OPTIONS, wrong.options.flags = 16);
+    WRONG_CHAIN(PALP_BAD_OPTIONS, wrong.options.flags = 32);
     WRONG_CHAIN(PALP_BAD_OPTIONS, wrong.options.attraction_s = -1.0f);
     WRONG_CHAIN(PALP_BAD_OPTIONS, wrong.options.tip.z = INFINITY);
 #define WRONG_JOINT(status, number, change)                                                        \
