@@ -136,3 +136,45 @@ pub unsafe extern "C" fn palp_human_finger(
         Ok(PALP_OK)
     })
 }
+
+// Numbers that the header repeats are places in the kernel's lists.
+const _: () = {
+    assert!(matches!(Limb::ALL[PALP_LIMB_SPINE as usize], Limb::Spine));
+    assert!(matches!(Limb::ALL[PALP_LIMB_NECK as usize], Limb::Neck));
+    assert!(matches!(
+        Limb::ALL[PALP_LIMB_LEFT_ARM as usize],
+        Limb::LeftArm
+    ));
+    assert!(matches!(
+        Limb::ALL[PALP_LIMB_RIGHT_ARM as usize],
+        Limb::RightArm
+    ));
+    assert!(matches!(
+        Limb::ALL[PALP_LIMB_LEFT_LEG as usize],
+        Limb::LeftLeg
+    ));
+    assert!(matches!(
+        Limb::ALL[PALP_LIMB_RIGHT_LEG as usize],
+        Limb::RightLeg
+    ));
+    assert!(matches!(
+        Finger::ALL[PALP_FINGER_THUMB as usize],
+        Finger::Thumb
+    ));
+    assert!(matches!(
+        Finger::ALL[PALP_FINGER_INDEX as usize],
+        Finger::Index
+    ));
+    assert!(matches!(
+        Finger::ALL[PALP_FINGER_MIDDLE as usize],
+        Finger::Middle
+    ));
+    assert!(matches!(
+        Finger::ALL[PALP_FINGER_RING as usize],
+        Finger::Ring
+    ));
+    assert!(matches!(
+        Finger::ALL[PALP_FINGER_LITTLE as usize],
+        Finger::Little
+    ));
+};
