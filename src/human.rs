@@ -33,7 +33,7 @@ use arrayvec::ArrayVec;
 use glam::{Quat, Vec3};
 
 pub use crate::geometry::chain::JointDef;
-use crate::geometry::chain::{Ball, Hinge, SWING_RAD};
+use crate::geometry::chain::{Ball, Hinge, SWING_RAD, limb_at};
 use crate::geometry::reach_cone::ReachCone;
 use crate::limits::CHAIN_HINGES_MAX;
 use crate::math::{self, Pose};
@@ -156,18 +156,11 @@ pub fn kept(joints: &[JointDef], angles: &[f32]) -> Kept {
 }
 
 fn kept_swing(cone: &ReachCone, a: f32, b: f32) -> (f32, f32) {
-    let limb = swung(a, b);
+    let limb = limb_at(a, b);
     if cone.contains(limb) && b.abs() <= QUARTER && a.abs() <= SWING_RAD {
         return (a, b);
     }
     swing_near(cone.nearest(limb), a)
-}
-
-/// Where a ball's limb points at its first two angles, in the rest frame.
-#[must_use]
-pub fn swung(a: f32, b: f32) -> Vec3 {
-    let cos_b = math::cos(b);
-    Vec3::new(math::sin(b), -math::sin(a) * cos_b, math::cos(a) * cos_b)
 }
 
 /// The first two angles of a ball whose limb points along a unit vector of the rest frame: the first in

@@ -1,12 +1,12 @@
 //! Human skeletons against the sources' numbers and against poses that people know.
 
 use glam::{Quat, Vec3};
-use palpable::geometry::chain::posture;
+use palpable::geometry::chain::{limb_at, posture};
 use palpable::human::ranges::{self, JointLimits};
 use palpable::human::{
     Base, Finger, FingerBones, JointDef, Limb, LimbDef, ball_angles, balls_of, finger, hinges_of,
     kept, lengths, limb, limb_on_root, mirrored_ball_angles, mirrored_point, mirrored_pose, swing,
-    swing_near, swung,
+    swing_near,
 };
 use palpable::math::{Pose, rotation_vector};
 
@@ -356,9 +356,9 @@ fn random_poses_are_kept_within_limits_once_and_for_all() {
                 .collect();
             let once = kept(&def.joints, &wild);
             for ball in balls_of(&def.joints) {
-                let limb = swung(once.angles[ball.first], once.angles[ball.first + 1]);
+                let limb = limb_at(once.angles[ball.first], once.angles[ball.first + 1]);
                 assert!(ball.cone.outside_rad(limb) < 1e-3);
-                let wanted = swung(wild[ball.first], wild[ball.first + 1]);
+                let wanted = limb_at(wild[ball.first], wild[ball.first + 1]);
                 let away = (limb - wanted).length();
                 let least = 2.0 * (0.5 * ball.cone.outside_rad(wanted)).sin();
                 assert!(away < least + 1e-3, "{away} {least}");
@@ -378,9 +378,9 @@ fn swings_and_turns_are_read_back() {
     for _ in 0..2000 {
         let limb = random.unit().as_vec3();
         let (a, b) = swing(limb);
-        assert!((swung(a, b) - limb).length() < 1e-6);
+        assert!((limb_at(a, b) - limb).length() < 1e-6);
         let (a, b) = swing_near(limb, 4.0);
-        assert!((swung(a, b) - limb).length() < 1e-6);
+        assert!((limb_at(a, b) - limb).length() < 1e-6);
         let angles = [
             random.between(-3.0, 3.0) as f32,
             random.between(-1.4, 1.4) as f32,

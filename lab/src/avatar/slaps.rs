@@ -145,7 +145,7 @@ fn is_allowed(plan: &AvatarPlan, slap: &ArmSlap) -> bool {
     (0..=32).all(|step| {
         let target = slap.after(slap.swing_rad * step as f32 / 32.0);
         let [a, b] = [0, 1].map(|hinge| target.angles[RIGHT_ARM][hinge]);
-        ball.cone.contains(palpable::human::swung(a, b))
+        ball.cone.contains(palpable::geometry::chain::limb_at(a, b))
     })
 }
 
