@@ -331,7 +331,9 @@ impl Walk {
             return Next::Done;
         }
         let mut swept = advance::run(state, self.pairs, &leg, purse);
-        swept.reached = reach::within_cones(state, self.body, self.at.leg, swept.reached);
+        if has_chains(state, self.body) {
+            swept.reached = reach::within_cones(state, self.body, self.at.leg, swept.reached);
+        }
         let taken = swept.reached >= 1.0 || swept.reached * way >= STILL_M;
         if taken {
             let share = plan.share;
