@@ -15,6 +15,7 @@ be lost unseen. The compiler's version moves counts too; update them together wi
 import json
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -48,6 +49,24 @@ def counts(home):
                 name = f"{summary['function_name']}.{summary['id']}"
                 found[name] = int(callgrind["Ir"]["metrics"]["Left"]["Int"])
     return found
+
+
+# What a scene without chains must not run, and a scene with chains in contact must: promise P7.
+OF_CHAINS = re.compile(r"palpable::reach::(skeleton|limb|touch|least_deviation|cyclic_descent|goal)")
+
+
+def chains_cost_only_where_they_are(home):
+    """Whether callgrind saw functions of chains in the scenes that have some, and in no other."""
+    good = True
+    for path in sorted(home.rglob("callgrind.ten_frames.*.out")):
+        seen = set(OF_CHAINS.findall(path.read_text(encoding="utf-8")))
+        if "arms" not in path.name and seen:
+            print(f"{path.name}: runs {', '.join(sorted(seen))} without chains")
+            good = False
+        if "arms_at_a_wall" in path.name and "least_deviation" not in seen:
+            print(f"{path.name}: no solver was seen, so that absence says nothing")
+            good = False
+    return good
 
 
 def read_limits():
@@ -90,13 +109,16 @@ def main():
     update = sys.argv[1:] == ["--update"]
     if sys.argv[1:] and not update:
         sys.exit(__doc__)
-    found = counts(run_bench())
+    home = run_bench()
+    found = counts(home)
     if not found:
         sys.exit("the bench wrote no summaries")
     if update:
         write_limits(found)
     if not compare(found, read_limits()):
         sys.exit("instruction counts are not within benches/instructions.limits")
+    if not chains_cost_only_where_they_are(home):
+        sys.exit("chains cost instructions where there are none")
 
 
 if __name__ == "__main__":
