@@ -577,3 +577,51 @@ fn a_snapshot_of_an_arm_at_a_wall_rolls_back_to_the_bit() {
     other.load(&saved).unwrap();
     assert_eq!(play(&mut other, 60), first);
 }
+
+#[test]
+fn what_settled_looks_again_when_anything_changes() {
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    let wall = Pose::at(0.0, 1.2, -0.55);
+    let wall = add_box(&mut world, BodyKind::Fixed, wall, [2.0, 2.0, 0.1]);
+    let shoulder = Pose::at(0.0, 1.4, 0.0);
+    let (body, chain) = add_arm(&mut world, shoulder, ChainOptions::DEFAULT);
+    let forward = [1.5, 0.1, 0.0, 0.1, 0.0, 0.0, 0.0];
+    world.set_angles(chain, &forward).unwrap();
+    // Two hands beside it that want the same place.
+    let hands = [5.0, 5.3].map(|x| {
+        let pose = Pose::at(x, 1.0, 0.0);
+        add_box(&mut world, BodyKind::Driven, pose, [0.05; 3])
+    });
+    let settle = |world: &mut World, first_at: f32| {
+        let mut report = FrameReport::default();
+        for _ in 0..200 {
+            world
+                .set_target(hands[0], &Pose::at(first_at, 1.0, 0.0))
+                .unwrap();
+            world
+                .set_target(hands[1], &Pose::at(5.0, 1.0, 0.0))
+                .unwrap();
+            report = step(world, body, &shoulder);
+        }
+        report
+    };
+    let report = settle(&mut world, 5.0);
+    assert_eq!(
+        (report.advance_units, report.reach_steps),
+        (0, 0),
+        "all is settled"
+    );
+    assert!(report.contacts >= 2, "and its contacts are still told");
+    let blocked = world.pose(hands[1]).unwrap().position[0];
+    assert!(blocked > 5.099, "{blocked}");
+
+    // The other hand goes away: this one follows.
+    settle(&mut world, 4.0);
+    assert_eq!(world.pose(hands[1]).unwrap().position[0], 5.0);
+
+    // The wall comes nearer by host, then goes: the arm yields, then reaches its target.
+    world.place_body(wall, &Pose::at(0.0, 1.2, -0.9)).unwrap();
+    settle(&mut world, 4.0);
+    assert_eq!(world.angles(chain).unwrap(), forward);
+}

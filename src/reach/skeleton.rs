@@ -225,7 +225,11 @@ const LEAD: f32 = 1.25;
 /// How urgent a chain is: how deep it was when it was last solved, or a number drawn from frame and chain.
 fn urgency(state: &State, chain: usize) -> f32 {
     if state.chains.options[chain].has(ChainOptions::SHUFFLED) {
-        let seed = state.registers.frame.wrapping_mul(64) + chain as u64;
+        let seed = state
+            .registers
+            .frame
+            .wrapping_mul(64)
+            .wrapping_add(chain as u64);
         return (seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as f32;
     }
     let lead = if state.chains.led[chain] == 1 {
