@@ -7,7 +7,7 @@ use crate::geometry::time_of_contact::MovingPair;
 use crate::limits::{GAP_FLOOR_M, STEP_MIN_M};
 use crate::math;
 use crate::state::State;
-use crate::state::contacts::Pair;
+use crate::state::contacts::{Pair, least_certified};
 use crate::state::purse::Purse;
 use crate::state::ways::{BodyTrack, is_own, pair_motions, piece_motion};
 
@@ -28,7 +28,7 @@ pub(crate) struct Swept {
 pub(crate) fn run(state: &mut State, pairs: usize, leg: &BodyTrack, purse: &mut Purse) -> Swept {
     start(state, pairs, leg);
     loop {
-        let Some(next) = state.pairs.least_certified(pairs) else {
+        let Some(next) = least_certified(&state.pairs.list[..pairs]) else {
             return Swept {
                 reached: 1.0,
                 cut: false,

@@ -173,6 +173,8 @@ pub(crate) fn record(state: &mut State, pairs: usize) -> bool {
                 normal: pair.normal.to_array(),
                 gap_m: pair.bending_gap,
                 impulse_n_s: 0.0,
+                approach_m_s: 0.0,
+                slide_m_s: 0.0,
             };
             all &= contacts::add(state, point);
         }

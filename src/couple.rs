@@ -106,9 +106,22 @@ fn couple(state: &mut State, body: usize, dt_s: f32) {
     let displacement = &mut bodies.displacement[body];
     come_nearer(displacement, tracker);
     tracker.previous = tracker.target;
-    relax(displacement, &SpringMap::new(&coupling, dt_s));
+    let spring = SpringMap::new(&coupling, dt_s);
+    bodies.yielding[body].mass_kg = held_mass_kg(&coupling, &spring, dt_s);
+    relax(displacement, &spring);
     state.legs.wanted[body] = displaced(&tracker.target, displacement);
     couple_chains(state, body, dt_s);
+}
+
+/// The mass m with which m u is the impulse K x h of a spring that is held at the displacement x, where u
+/// is the mean velocity by which it would come back if let go: K h^2 / (1 - xx). For short time steps that
+/// is twice the coupling's own mass.
+fn held_mass_kg(coupling: &Coupling, spring: &SpringMap, dt_s: f32) -> f32 {
+    let back = 1.0 - spring.xx;
+    if back < 1e-6 {
+        return 2.0 * coupling.mass_kg;
+    }
+    coupling.stiffness_n_per_m * dt_s * dt_s / back
 }
 
 /// Finds where the angles of a body's chains are wanted at the end of the frame: at their targets, less

@@ -11,7 +11,7 @@ use glam::Vec3;
 use crate::frame::{Budget, FrameReport};
 use crate::geometry::linkage::angle_at;
 use crate::limits::{ADVANCE_UNITS_MAX, LEGS_MAX, PAIR_MARGIN_M, ROUNDS_MAX, STILL_M};
-use crate::math;
+use crate::math::{self, Pose};
 use crate::reach::{self, Hold, Plan};
 use crate::state::State;
 use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, is_body_of};
@@ -67,6 +67,86 @@ pub(crate) fn run(state: &mut State, budget: &Budget, report: &mut FrameReport) 
     report.reach_steps = purses.steps.spent();
 }
 
+/// Plans the ways of driven bodies anew that loose objects do not get out of the way of: the root as far as
+/// the impulses say, and fixed bodies as ever.
+pub(crate) fn give_way(state: &mut State, budget: &Budget, report: &mut FrameReport) {
+    for body in 0..state.registers.body_slots as usize {
+        if state.islands.gives[body].replans == 1 {
+            let mut purses = Purses {
+                units: Purse::new(budget.advance_units - report.advance_units),
+                steps: Purse::new(budget.reach_steps - report.reach_steps),
+            };
+            let flags = yield_once(state, body, &mut purses) | DrivenReport::TOUCHING;
+            state.bodies.report[body].flags |= flags;
+            state.bodies.settled[body].moved = u32::from(state.legs.count[body] > 0);
+            state.bodies.settled[body].is_settled = 0;
+            report.flags |= frame_flags(flags);
+            report.advance_units += purses.units.spent();
+            report.reach_steps += purses.steps.spent();
+            state.islands.gives[body].replans = 0;
+            if state.registers.driven > 1 {
+                step_ahead(state, body);
+            }
+        }
+    }
+}
+
+fn yield_once(state: &mut State, body: usize, purses: &mut Purses) -> u32 {
+    let start = Position {
+        root: state.bodies.pose[body],
+        local: 0.0,
+        leg: 0,
+        share: 0.0,
+    };
+    let way = state.islands.gives[body].way;
+    let planned = driven_at(state.legs.of(body), &start.root, 1.0);
+    let holds = state.islands.gives[body].holds == 1;
+    let only_moves = planned.root.quat() == start.root.quat()
+        && locals_rest(state, body)
+        && angles_rest(state, body);
+    state.legs.count[body] = 0;
+    state.legs.local_share[body] = 0.0;
+    if math::length(way) < STILL_M && (holds || only_moves) {
+        return DrivenReport::HELD;
+    }
+    let goal = Position {
+        root: Pose::new(
+            if holds { start.root } else { planned.root }.quat(),
+            start.root.translation() + way,
+        ),
+        local: if holds { 0.0 } else { planned.local },
+        leg: 0,
+        share: 1.0,
+    };
+    if holds {
+        for chain in 0..state.registers.chain_slots as usize {
+            let own = state.chains.body[chain] as usize == body;
+            state.ways.held[chain] |= u32::from(own);
+        }
+    }
+    let contacts = state.registers.contacts;
+    let flags = match walk(state, body, start, goal, purses) {
+        Ok(flags) => flags,
+        Err(PairsFull) => {
+            state.legs.count[body] = 0;
+            DrivenReport::POOL_FULL | DrivenReport::HELD
+        }
+    };
+    // What the body touches was recorded when it first planned its way.
+    state.registers.contacts = contacts;
+    flags
+}
+
+/// Notes the driven bodies that came to rest on sleeping objects.
+pub(crate) fn lean(state: &mut State) {
+    for body in 0..state.registers.body_slots as usize {
+        let leans = state.bodies.yielding[body].leans == 1 && state.legs.count[body] == 0;
+        if leans && state.bodies.settled[body].is_settled == 0 {
+            settled::remember(state, body, state.bodies.report[body].flags);
+        }
+    }
+}
+
 /// Whether a chain of a body was left without the steps that it asked for.
 fn is_reach_cut(state: &State, body: usize) -> bool {
     chains_of(state, body).any(|chain| state.chains.report[chain].flags & ChainReport::CUT != 0)
@@ -98,9 +178,6 @@ fn look_ahead(state: &mut State) {
 
 /// Bodies that go later keep out of where this one came to.
 fn step_ahead(state: &mut State, body: usize) {
-    if state.legs.count[body] == 0 {
-        return;
-    }
     let reached = driven_at(state.legs.of(body), &state.bodies.pose[body], 1.0);
     let mut next = state.bodies.first_piece[body];
     while let Some(piece) = next.checked_sub(1) {

@@ -10,7 +10,7 @@ pub use report::FrameReport;
 
 use crate::limits::{FRAME_S_MAX, FRAME_S_MIN};
 use crate::state::State;
-use crate::{couple, driven, impulses, publish};
+use crate::{couple, driven, events, impulses, publish};
 
 /// The stages of a frame, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,8 +41,16 @@ pub(crate) fn step(state: &mut State, input: &FrameInput) -> FrameReport {
     state.registers.contacts = 0;
     couple::run(state, dt_s);
     driven::run(state, &input.budget, &mut report);
-    impulses::run(state, dt_s, input.budget.impulse_units, &mut report);
-    publish::run(state);
+    if let Some(mut loose) = impulses::begin(state, dt_s, input.budget.impulse_units) {
+        while let Some(island) = loose.next(state, &mut report) {
+            driven::give_way(state, &input.budget, &mut report);
+            loose.run(state, island, &mut report);
+        }
+        loose.end(state, &mut report);
+        driven::lean(state);
+    }
+    publish::run(state, dt_s);
+    events::run(state, &mut report);
     state.registers.frame += 1;
     report.frame = state.registers.frame;
     report.contacts = state.registers.contacts;

@@ -1,32 +1,46 @@
 //! 6 impulses: what the loose objects do.
 //!
-//! Dynamic bodies move to the end of the frame while driven bodies follow the way that stage 5 found
-//! clear, as movers that impulses do not change. Events come in the order of time: impulses are
-//! solved for the contacts at hand, conservative advancement finds how far everybody stays clear with
-//! those velocities, everybody moves there, and so on. Where an object cannot get out of the way of
-//! a driven body, the driven body stops at that time.
+//! Loose bodies move to the end of the frame while driven bodies follow the way that stage 5 found clear.
+//! Who may touch whom makes islands, which go through the frame one after the other. Events come in the
+//! order of time: impacts are answered at once, forces are found for what is left of the frame,
+//! conservative advancement finds how far everybody stays clear with them, everybody moves there, and so
+//! on. Speed changes evenly between events, so free fall and sliding are exact.
+//!
+//! Where an object cannot get out of the way of a driven body, the driven body gives way: first by the
+//! mass of its coupling, in the first event; later in the frame it stops.
 
+mod cluster;
+mod gather;
+mod islands;
 mod movers;
-mod patch;
 mod queue;
-mod solve;
+mod respond;
+mod rest;
+pub mod solver;
 mod sweep;
-
-use glam::Vec3;
+mod touch;
+mod turning;
 
 use crate::frame::FrameReport;
-use crate::limits::{EVENTS_MAX, IMPULSE_UNITS_MAX, SLEEP_S, STALLS_MAX, STILL_SPEED};
+use crate::limits::{EVENTS_MAX, IMPULSE_UNITS_MAX, STALLS_MAX};
 use crate::math;
 use crate::state::State;
-use crate::state::bodies::{BodyKind, is_body_of};
+use crate::state::bodies::{BodyKind, HostedImpulse, Load};
+use crate::state::islands::GiveWay;
 use crate::state::purse::Purse;
+use glam::Vec3;
 
-/// A stretch of the frame: shares of the frame, and its length in seconds.
+/// A stretch of an island's frame: shares of the frame, and its length in seconds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stretch {
     pub from: f32,
     pub to: f32,
     pub dt_s: f32,
+    /// The island's label.
+    pub island: u32,
+    /// Where its touches begin, and how many there were in the frame before.
+    pub first_touch: usize,
+    pub touches_before: usize,
 }
 
 impl Stretch {
@@ -35,80 +49,193 @@ impl Stretch {
     }
 }
 
-/// Moves the loose bodies through the frame. Spends at most `units`.
-pub(crate) fn run(state: &mut State, dt_s: f32, units: u32, report: &mut FrameReport) {
-    let mut purse = Purse::new(units.min(IMPULSE_UNITS_MAX));
-    if !begin(state, dt_s) {
-        return;
-    }
-    sweep::begin(state);
-    let mut pairs = None;
-    let mut time = 0.0;
-    let mut stalls = 0;
-    for _ in 0..EVENTS_MAX {
-        let stretch = Stretch {
-            from: time,
-            to: next_break(state, time),
-            dt_s,
-        };
-        let Some(reached) = event(state, &stretch, &mut pairs, &mut purse, report) else {
-            break;
-        };
-        let progress = reached - time;
-        time = reached;
-        if time >= 1.0 {
-            break;
-        }
-        stalls = if progress <= 1e-4 { stalls + 1 } else { 0 };
-        if stalls > STALLS_MAX {
-            movers::stop_blocked(state, time);
-            stalls = 0;
-        }
-    }
-    if time < 1.0 {
-        movers::stop_all(state, time);
-        report.set(FrameReport::IMPULSES_CUT);
-        report.lost_s = (1.0 - time) * dt_s;
-    }
-    finish(state, dt_s);
-    report.impulse_units = purse.spent();
+/// The loose bodies' way through a frame, island by island.
+pub(crate) struct Loose {
+    dt_s: f32,
+    purse: Purse,
+    /// The first body that was not looked at.
+    next: usize,
+    touches_before: usize,
 }
 
-/// One event: solve, advance, move. The share of the frame that was reached; `None` when the units
-/// ran out before anybody could move.
-fn event(
-    state: &mut State,
-    stretch: &Stretch,
-    pairs: &mut Option<usize>,
-    purse: &mut Purse,
-    report: &mut FrameReport,
-) -> Option<f32> {
-    if !sweep::update(state, stretch, pairs) {
-        report.set(FrameReport::FULL_PAIRS);
+/// An island whose first event is solved.
+pub(crate) struct Island {
+    stretch: Stretch,
+    /// How many pairs there are, while they are known.
+    pairs: Option<usize>,
+    rows: usize,
+}
+
+/// Finds the islands of a frame; `None` when nothing is to move.
+pub(crate) fn begin(state: &mut State, dt_s: f32, units: u32) -> Option<Loose> {
+    if state.registers.loose == 0 {
+        return None;
     }
-    let count = (*pairs)?;
-    let constraints = solve::gather(state, count, stretch, purse, report)?;
-    report.impulses += patch::run(state, constraints);
-    report.impulses += queue::run(state, constraints, purse);
-    solve::record(state, constraints, report);
-    if !sweep::update(state, stretch, pairs) {
-        report.set(FrameReport::FULL_PAIRS);
+    for body in 0..state.registers.body_slots as usize {
+        state.bodies.hosted[body] = HostedImpulse::default();
+        state.islands.gives[body] = GiveWay::default();
     }
-    let count = (*pairs)?;
-    let reached = sweep::run(state, count, stretch, purse);
-    movers::advance_all(state, stretch, reached);
-    Some(if reached >= 1.0 {
-        stretch.to
-    } else {
-        stretch.from + (stretch.to - stretch.from) * reached
+    let awake = islands::find(state, dt_s);
+    for yielding in state.bodies.yielding.iter_mut() {
+        if yielding.leans == 0 {
+            yielding.reaction = Vec3::ZERO;
+        }
+    }
+    if !awake {
+        return None;
+    }
+    Some(Loose {
+        dt_s,
+        purse: Purse::new(units.min(IMPULSE_UNITS_MAX)),
+        next: 0,
+        touches_before: touch::begin(state),
     })
 }
 
+impl Loose {
+    /// Solves the first event of the next island, after which driven bodies may have to plan their ways
+    /// again; `None` when all islands are through.
+    pub(crate) fn next(&mut self, state: &mut State, report: &mut FrameReport) -> Option<Island> {
+        while self.next < state.registers.body_slots as usize {
+            let label = self.next;
+            self.next += 1;
+            if islands::begins(state, label) {
+                return Some(self.first_event(state, label, report));
+            }
+        }
+        None
+    }
+
+    fn first_event(&mut self, state: &mut State, label: usize, report: &mut FrameReport) -> Island {
+        let stretch = Stretch {
+            from: 0.0,
+            to: next_break(state, label, 0.0),
+            dt_s: self.dt_s,
+            island: label as u32,
+            first_touch: state.registers.touches as usize,
+            touches_before: self.touches_before,
+        };
+        let mut island = Island {
+            stretch,
+            pairs: None,
+            rows: 0,
+        };
+        sweep::begin(state, stretch.island);
+        if !island.solve(state, &mut self.purse, report) {
+            island.pairs = None;
+        }
+        island
+    }
+
+    /// Moves an island to the end of the frame.
+    pub(crate) fn run(&mut self, state: &mut State, mut island: Island, report: &mut FrameReport) {
+        if replanned(state, island.stretch.island as usize) {
+            sweep::begin(state, island.stretch.island);
+        }
+        let time = island.go(state, &mut self.purse, report);
+        let label = island.stretch.island as usize;
+        if time < 1.0 {
+            movers::stop_all(state, label, time);
+            report.set(FrameReport::IMPULSES_CUT);
+            report.lost_s = math::max(report.lost_s, (1.0 - time) * self.dt_s);
+        }
+        touch::record(state, &island.stretch, report);
+        islands::rest(state, &island.stretch);
+    }
+
+    /// Ends the frame.
+    pub(crate) fn end(self, state: &mut State, report: &mut FrameReport) {
+        for load in state.bodies.load.iter_mut() {
+            *load = Load::default();
+        }
+        report.impulse_units = self.purse.spent();
+    }
+}
+
+/// Whether a driven body of an island planned its way again.
+fn replanned(state: &State, island: usize) -> bool {
+    crate::state::islands::Members::of(state, island)
+        .any(|body| state.islands.gives[body].replans == 1)
+}
+
+impl Island {
+    /// Events up to the end of the frame; the share of the frame that was reached.
+    fn go(&mut self, state: &mut State, purse: &mut Purse, report: &mut FrameReport) -> f32 {
+        let mut stalls = 0;
+        for _ in 0..EVENTS_MAX {
+            let from = self.stretch.from;
+            let Some(blocked) = self.advance(state, purse, report) else {
+                return from;
+            };
+            let time = self.stretch.from;
+            if time >= 1.0 {
+                return 1.0;
+            }
+            stalls = if time - from <= 1e-4 { stalls + 1 } else { 0 };
+            if stalls > STALLS_MAX {
+                movers::stop_blocked(state, blocked, time);
+                stalls = 0;
+            }
+            self.stretch.to = next_break(state, self.stretch.island as usize, time);
+            touch::forget(state, &self.stretch);
+            if !self.solve(state, purse, report) {
+                return time;
+            }
+        }
+        self.stretch.from
+    }
+
+    /// Finds the contacts at hand and answers them; false when the units ran out or there was no room.
+    fn solve(&mut self, state: &mut State, purse: &mut Purse, report: &mut FrameReport) -> bool {
+        let stretch = self.stretch;
+        islands::note_centres(state, stretch.island as usize);
+        respond::ready(state, &stretch);
+        islands::aim(state, &stretch);
+        if !sweep::update(state, &stretch, &mut self.pairs) {
+            report.set(FrameReport::FULL_PAIRS);
+        }
+        let Some(pairs) = self.pairs else {
+            return false;
+        };
+        let Some(rows) = gather::run(state, pairs, &stretch, purse, report) else {
+            self.pairs = None;
+            return false;
+        };
+        self.rows = rows;
+        report.impulses += respond::run(state, rows, &stretch, purse);
+        islands::aim(state, &stretch);
+        true
+    }
+
+    /// Moves everybody as far as all stay clear; the pair that ended it, `None` when nobody could move.
+    fn advance(
+        &mut self,
+        state: &mut State,
+        purse: &mut Purse,
+        report: &mut FrameReport,
+    ) -> Option<usize> {
+        self.pairs?;
+        let stretch = self.stretch;
+        if !sweep::update(state, &stretch, &mut self.pairs) {
+            report.set(FrameReport::FULL_PAIRS);
+        }
+        let swept = sweep::run(state, self.pairs?, &stretch, purse);
+        touch::note_forces(state, self.rows, stretch.seconds(), swept.reached);
+        movers::advance(state, &stretch, swept.reached);
+        self.stretch.from = if swept.reached >= 1.0 {
+            stretch.to
+        } else {
+            stretch.from + (stretch.to - stretch.from) * swept.reached
+        };
+        Some(swept.blocked)
+    }
+}
+
 /// The first end of a driven body's leg after `time`, or the end of the frame.
-fn next_break(state: &State, time: f32) -> f32 {
+fn next_break(state: &State, island: usize, time: f32) -> f32 {
     let mut next = 1.0;
-    for body in 0..state.registers.body_slots as usize {
-        if is_body_of(state, body, BodyKind::Driven) {
+    for body in crate::state::islands::Members::of(state, island) {
+        if state.bodies.kind[body] == BodyKind::Driven.code() {
             for leg in state.legs.of(body) {
                 if leg.end_time > time {
                     next = math::min(next, leg.end_time);
@@ -117,61 +244,4 @@ fn next_break(state: &State, time: f32) -> f32 {
         }
     }
     next
-}
-
-/// Wakes what is about to be touched and kicks what is awake; false when nothing is awake.
-fn begin(state: &mut State, dt_s: f32) -> bool {
-    let kick = state.registers.gravity * dt_s;
-    let mut dynamic = false;
-    for body in 0..state.registers.body_slots as usize {
-        dynamic |= is_body_of(state, body, BodyKind::Dynamic);
-    }
-    if !dynamic {
-        return false;
-    }
-    let mut any_awake = false;
-    for body in 0..state.registers.body_slots as usize {
-        if !is_body_of(state, body, BodyKind::Dynamic) {
-            continue;
-        }
-        state.legs.stop_time[body] = 1.0;
-        if state.bodies.momentum[body].asleep == 1 && movers::is_disturbed(state, body, dt_s) {
-            wake(state, body);
-        }
-        if state.bodies.momentum[body].asleep == 0 {
-            state.bodies.momentum[body].velocity += kick;
-            movers::keep_sane(state, body);
-            any_awake = true;
-        }
-    }
-    any_awake
-}
-
-pub(crate) fn wake(state: &mut State, body: usize) {
-    let momentum = &mut state.bodies.momentum[body];
-    momentum.asleep = 0;
-    momentum.still_s = 0.0;
-}
-
-/// Counts how long bodies have been still and puts them to sleep.
-fn finish(state: &mut State, dt_s: f32) {
-    for body in 0..state.registers.body_slots as usize {
-        if is_body_of(state, body, BodyKind::Dynamic) && state.bodies.momentum[body].asleep == 0 {
-            let still = surface_speed(state, body) < STILL_SPEED;
-            let momentum = &mut state.bodies.momentum[body];
-            momentum.still_s = if still { momentum.still_s + dt_s } else { 0.0 };
-            if momentum.still_s >= SLEEP_S {
-                momentum.asleep = 1;
-                momentum.velocity = Vec3::ZERO;
-                momentum.angular = Vec3::ZERO;
-            }
-        }
-    }
-}
-
-/// Upper bound of the speed of any point of a dynamic body, in m/s.
-fn surface_speed(state: &State, body: usize) -> f32 {
-    let speed = math::length(state.bodies.momentum[body].velocity);
-    let spin = math::length(movers::spin(state, body));
-    speed + spin * movers::reach_m(state, body)
 }

@@ -85,7 +85,8 @@ pub(crate) fn collect_driven(
         }
         for other in near.clone() {
             if is_obstacle_near(state, other, body, &bounds) && !pass(state, piece, other) {
-                push(state, &mut count, piece, other)?;
+                let mark = &mut state.registers.high_water.pairs;
+                push(state.pairs.list, &mut count, mark, piece, other)?;
             }
         }
     }

@@ -4,23 +4,30 @@ use crate::geometry::linkage::angle_at;
 use crate::geometry::motion::interpolate;
 use crate::math::{self, Pose, displacement_of};
 use crate::state::State;
-use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, is_body_of};
+use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, is_body_of, is_loose};
 use crate::state::chains::{ChainOptions, has_chains, joints_of, linkage, next_chain, slot_range};
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::ways::{Position, driven_at};
 use glam::Vec3;
 
 /// Writes the published poses of everything that moved.
-pub(crate) fn run(state: &mut State) {
+pub(crate) fn run(state: &mut State, dt_s: f32) {
     for body in 0..state.registers.body_slots as usize {
         if is_body_of(state, body, BodyKind::Driven) {
+            let before = state.bodies.pose[body].translation();
             publish_driven(state, body);
-        } else if is_body_of(state, body, BodyKind::Dynamic)
-            && state.bodies.momentum[body].asleep == 0
-        {
+            report_reaction(state, body, dt_s);
+            let moved = state.bodies.pose[body].translation() - before;
+            state.bodies.yielding[body].velocity = moved / dt_s;
+        } else if is_loose(state, body) && state.bodies.momentum[body].asleep == 0 {
             place_pieces(state, body);
         }
     }
+}
+
+fn report_reaction(state: &mut State, body: usize, dt_s: f32) {
+    let reaction = state.bodies.yielding[body].reaction / dt_s;
+    state.bodies.report[body].reaction_n = reaction.to_array();
 }
 
 fn publish_driven(state: &mut State, body: usize) {

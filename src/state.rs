@@ -3,9 +3,13 @@
 pub mod bodies;
 pub mod chains;
 pub mod contacts;
+pub mod events;
+pub(crate) mod islands;
 pub mod materials;
 pub mod pieces;
 pub(crate) mod purse;
+pub mod rows;
+pub(crate) mod touches;
 pub(crate) mod ways;
 
 use bytemuck::{Pod, Zeroable};
@@ -19,8 +23,12 @@ use crate::memory::header::Header;
 use bodies::Bodies;
 use chains::{AngleWays, Chains, Joints};
 use contacts::{ContactPoints, Pairs};
+use events::{Events, EventsNow};
+use islands::Islands;
 use materials::{BUILT_IN_MATERIALS, Materials};
 use pieces::{Pieces, Pools};
+use rows::Rows;
+use touches::{Touches, TouchesBefore};
 use ways::Legs;
 
 /// The few numbers of a world that are not a column.
@@ -55,6 +63,14 @@ pub(crate) struct Registers {
     pub joints: u32,
     /// Driven bodies in use.
     pub driven: u32,
+    /// Dynamic and hosted bodies in use.
+    pub loose: u32,
+    /// Contacts of loose bodies that are remembered.
+    pub touches: u32,
+    /// Contact events of the last frame.
+    pub events: u32,
+    /// Pairs of pieces that touch.
+    pub touching: u32,
     /// The most that was ever in use at once.
     pub high_water: Capacities,
 }
@@ -70,8 +86,18 @@ pub(crate) struct State<'a> {
     pub contacts: ContactPoints<'a>,
     pub chains: Chains<'a>,
     pub joints: Joints<'a>,
+    pub touches: Touches<'a>,
+    pub events: Events<'a>,
     /// Scratch of a frame; means nothing between frames.
     pub pairs: Pairs<'a>,
+    /// Scratch of a frame; means nothing between frames.
+    pub islands: Islands<'a>,
+    /// Scratch of a frame; means nothing between frames.
+    pub rows: Rows<'a>,
+    /// Scratch of a frame; means nothing between frames.
+    pub before: TouchesBefore<'a>,
+    /// Scratch of a frame; means nothing between frames.
+    pub events_now: EventsNow<'a>,
     /// Scratch of a frame; means nothing between frames.
     pub legs: Legs<'a>,
     /// Scratch of a frame; means nothing between frames.
@@ -83,6 +109,10 @@ impl<'a> State<'a> {
     pub(crate) const fn bytes(capacities: &Capacities) -> u64 {
         Self::lasting_bytes(capacities)
             + Pairs::bytes(capacities)
+            + Islands::bytes(capacities)
+            + Rows::bytes(capacities)
+            + TouchesBefore::bytes(capacities)
+            + EventsNow::bytes(capacities)
             + Legs::bytes(capacities)
             + AngleWays::bytes(capacities)
     }
@@ -98,6 +128,8 @@ impl<'a> State<'a> {
             + ContactPoints::bytes(capacities)
             + Chains::bytes(capacities)
             + Joints::bytes(capacities)
+            + Touches::bytes(capacities)
+            + Events::bytes(capacities)
     }
 
     /// Cuts a block that was judged long enough and aligned.
@@ -113,7 +145,13 @@ impl<'a> State<'a> {
             contacts: ContactPoints::cut(&mut uncut, capacities),
             chains: Chains::cut(&mut uncut, capacities),
             joints: Joints::cut(&mut uncut, capacities),
+            touches: Touches::cut(&mut uncut, capacities),
+            events: Events::cut(&mut uncut, capacities),
             pairs: Pairs::cut(&mut uncut, capacities),
+            islands: Islands::cut(&mut uncut, capacities),
+            rows: Rows::cut(&mut uncut, capacities),
+            before: TouchesBefore::cut(&mut uncut, capacities),
+            events_now: EventsNow::cut(&mut uncut, capacities),
             legs: Legs::cut(&mut uncut, capacities),
             ways: AngleWays::cut(&mut uncut, capacities),
         }
@@ -134,6 +172,8 @@ impl<'a> State<'a> {
         self.contacts.visit(visitor);
         self.chains.visit(visitor);
         self.joints.visit(visitor);
+        self.touches.visit(visitor);
+        self.events.visit(visitor);
     }
 
     /// Calls `visitor` with every column that outlives a frame, for writing.
@@ -147,6 +187,8 @@ impl<'a> State<'a> {
         self.contacts.visit_mut(visitor);
         self.chains.visit_mut(visitor);
         self.joints.visit_mut(visitor);
+        self.touches.visit_mut(visitor);
+        self.events.visit_mut(visitor);
     }
 
     /// Materials there is room for, the built-in ones included.

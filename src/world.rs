@@ -4,6 +4,7 @@
 mod bodies;
 mod chains;
 mod hands;
+mod loose;
 mod pieces;
 mod query;
 mod snapshot;
@@ -11,6 +12,7 @@ mod snapshot;
 pub use bodies::{AddBodyError, BodyDef, BodyError};
 pub use chains::{AddChainError, ChainDef, ChainError, TIP_STEPS_MAX};
 pub use hands::{JointInput, JointUse, SetJointsError};
+pub use loose::{HostedError, HostedInput};
 pub use pieces::{AddPieceError, PieceDef, Shape};
 pub use query::BodyPenetration;
 

@@ -49,17 +49,23 @@ pub(super) fn note(state: &mut State, body: usize, flags: u32) {
     let still = state.legs.count[body] == 0;
     let is_settled = still && flags & unsure == 0 && !chains_of(state, body).any(is_cut);
     let before = state.bodies.settled[body].first_contact;
+    let contacts = state.registers.contacts - before;
     let settled = &mut state.bodies.settled[body];
     settled.moved = u32::from(!still);
+    settled.contacts = contacts;
     settled.is_settled = u32::from(is_settled);
-    if !is_settled {
-        return;
+    if is_settled {
+        remember(state, body, flags);
     }
-    *settled = Settled {
+}
+
+/// Notes what a settled body was asked.
+pub(super) fn remember(state: &mut State, body: usize, flags: u32) {
+    state.bodies.settled[body] = Settled {
+        is_settled: 1,
         wanted: state.legs.wanted[body],
         flags,
-        contacts: state.registers.contacts - before,
-        ..*settled
+        ..state.bodies.settled[body]
     };
     let mut next = state.bodies.first_chain[body];
     while let Some(chain) = next.checked_sub(1) {

@@ -18,6 +18,10 @@ pub struct FrameReport {
     pub contacts: u32,
     /// Impulses applied.
     pub impulses: u32,
+    /// Contact events that the host can read.
+    pub events: u32,
+    /// Contact events that found no room: raise [`crate::memory::Capacities::contacts`].
+    pub events_dropped: u32,
     /// Time by which loose bodies were stopped before the end of the frame, at most, in seconds.
     pub lost_s: f32,
 }

@@ -127,8 +127,10 @@ pub struct Motion<'a> {
     pub linear: Vec3,
     /// Largest speed of any point of the piece beyond `linear`.
     pub turning: f32,
-    /// Largest acceleration of any point of the piece.
+    /// Largest acceleration of any point of the piece, the bow's aside.
     pub acceleration: f32,
+    /// How far the way's middle is from the straight one, times -4: the root is `bow (t^2 - t)` beside it.
+    pub bow: Vec3,
 }
 
 impl<'a> Motion<'a> {
@@ -167,7 +169,15 @@ impl<'a> Motion<'a> {
                 + 2.0 * r.angular * local_speed
                 + l.curvature * core_reach_m
                 + span * (path.acceleration * span + 2.0 * path.angular * own_speed),
+            bow: Vec3::ZERO,
         }
+    }
+
+    /// The same motion along a parabola: `bow (t^2 - t)` beside the straight way, half the constant
+    /// acceleration over the whole time.
+    #[must_use]
+    pub fn bowed(self, bow: Vec3) -> Self {
+        Self { bow, ..self }
     }
 
     /// A piece that does not move.
@@ -180,6 +190,7 @@ impl<'a> Motion<'a> {
             linear: Vec3::ZERO,
             turning: 0.0,
             acceleration: 0.0,
+            bow: Vec3::ZERO,
         }
     }
 
@@ -188,6 +199,9 @@ impl<'a> Motion<'a> {
     #[must_use]
     pub fn at(&self, time: f32) -> Pose {
         let mut root = self.root.at(time);
+        if self.bow != Vec3::ZERO {
+            root = root.moved(self.bow * (time * time - time));
+        }
         if let Some(link) = &self.link {
             root = root.then(&link.at(self.root.share(time)));
         }
@@ -200,13 +214,13 @@ impl<'a> Motion<'a> {
     /// How far any point of the piece can be from the straight line between its ends, in metres.
     #[must_use]
     pub fn bulge_m(&self) -> f32 {
-        0.125 * self.acceleration
+        0.125 * self.acceleration + 0.25 * math::length(self.bow)
     }
 
     /// Upper bound of the way of any point of the piece over the whole time, in metres.
     #[must_use]
     pub fn way_m(&self) -> f32 {
-        math::length(self.linear) + self.turning
+        math::length(self.linear) + self.turning + math::length(self.bow)
     }
 }
 

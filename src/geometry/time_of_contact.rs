@@ -10,7 +10,9 @@
 //!
 //!   z(l T) >= (1 - l) z(0) + l z(T) - 4 l (1 - l) (A_a + A_b) T^2 / 8,
 //!
-//! and two support queries at the end of the stretch certify all of it.
+//! and two support queries at the end of the stretch certify all of it. Where the roots fall along
+//! parabolas, bow (t^2 - t) beside the straight way, that part of the deviation is known with its sign:
+//! it adds n.(bow_a - bow_b) T^2 (l^2 - l) instead of a bound.
 
 use glam::Vec3;
 
@@ -83,7 +85,7 @@ impl MovingPair<'_> {
     }
 
     fn furthest(&self, time: f32, gap_m: f32, floor_m: f32, normal: Vec3) -> f32 {
-        let approach = self.approach(normal);
+        let approach = self.approach(normal, time);
         let slack = gap_m - floor_m;
         let reach = time + slack / math::max(approach, 1e-30);
         if approach == 0.0 || reach >= 1.0 {
@@ -97,37 +99,46 @@ impl MovingPair<'_> {
             &self.motion_b.at(1.0),
             normal,
         );
-        let bulge = 0.125 * (self.motion_a.acceleration + self.motion_b.acceleration) * rest * rest;
+        let unknown = 0.5 * (self.motion_a.acceleration + self.motion_b.acceleration);
+        let bow = normal.dot(self.motion_a.bow - self.motion_b.bow);
+        let bulge = (unknown + bow) * rest * rest;
         math::max(
             reach,
             time + rest * first_below(slack, end - floor_m, bulge),
         )
     }
 
-    /// Upper bound of the speed at which the gap along `normal` shrinks, per unit of time.
+    /// Upper bound of the speed at which the gap along `normal` shrinks from `time` on, per unit of time.
     #[must_use]
-    pub fn approach(&self, normal: Vec3) -> f32 {
+    pub fn approach(&self, normal: Vec3, time: f32) -> f32 {
         let linear = normal.dot(self.motion_b.linear - self.motion_a.linear);
         let turning = self.motion_a.turning + self.motion_b.turning;
-        math::max(0.0, linear + turning)
+        let bow = normal.dot(self.motion_b.bow - self.motion_a.bow);
+        let bowed = math::max(bow, (2.0 * time - 1.0) * bow);
+        math::max(0.0, linear + turning + bowed)
     }
 }
 
-/// The first l in 0..=1 at which (1 - l) start + l end - 4 l (1 - l) bulge falls below zero, or 1;
-/// `start` is not negative.
+/// The first l in 0..=1 at which (1 - l) start + l end - l (1 - l) bulge falls below zero, or 1;
+/// `start` is not negative. A negative bulge is a way that keeps away from the floor.
 fn first_below(start: f32, end: f32, bulge: f32) -> f32 {
-    // 4 bulge l^2 + (end - start - 4 bulge) l + start
-    let a = 4.0 * bulge;
-    let half_b = 0.5 * (end - start - a);
-    if half_b >= 0.0 {
+    // bulge l^2 + (end - start - bulge) l + start
+    let half_b = 0.5 * (end - start - bulge);
+    if half_b >= 0.0 && end >= 0.0 {
         return 1.0;
     }
-    let discriminant = half_b * half_b - a * start;
+    let discriminant = half_b * half_b - bulge * start;
     if discriminant < 0.0 {
         return 1.0;
     }
-    // The smaller root, in the form without cancellation.
-    let first = start / (math::sqrt(discriminant) - half_b);
+    let root = math::sqrt(discriminant);
+    let first = if half_b >= 0.0 {
+        // Up first, then down through the floor: the bulge is negative.
+        -(root + half_b) / bulge
+    } else {
+        // The smaller root, in the form without cancellation.
+        start / (root - half_b)
+    };
     // A hair earlier, for the rounding of this formula.
     math::min(first * (1.0 - 4.0 * f32::EPSILON), 1.0)
 }

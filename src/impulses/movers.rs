@@ -3,15 +3,18 @@
 use glam::{Quat, Vec3};
 
 use super::Stretch;
+use super::turning::turned;
 use crate::geometry::motion::{Motion, Track};
-use crate::limits::{LOOSE_MARGIN_M, SPEED_MAX, SPIN_MAX, WORLD_REACH_M};
+use crate::limits::{SPEED_MAX, SPIN_MAX, WORLD_REACH_M};
 use crate::math::{self, Pose};
 use crate::state::State;
-use crate::state::bodies::{BodyKind, is_body_of};
-use crate::state::pieces::{Bounds, PiecesOf};
+use crate::state::bodies::{BodyKind, is_loose_kind};
+use crate::state::islands::Members;
+use crate::state::pieces::PiecesOf;
+use crate::state::rows::Mover;
 use crate::state::ways::{BodyTrack, driven_at, piece_motion};
 
-/// Angular velocity of a dynamic body in the world, in rad/s.
+/// Angular velocity of a loose body in the world, in rad/s.
 pub(super) fn spin(state: &State, body: usize) -> Vec3 {
     let bodies = &state.bodies;
     bodies.mass[body].inverse_inertia(bodies.pose[body].quat()) * bodies.momentum[body].angular
@@ -41,68 +44,119 @@ fn at_most(v: Vec3, length: f32) -> Vec3 {
     if is > length { v * (length / is) } else { v }
 }
 
-/// The frame at a dynamic body's centre of mass, with the body's orientation.
+/// The frame at a loose body's centre of mass, with the body's orientation.
 pub(super) fn centre_pose(state: &State, body: usize) -> Pose {
     let pose = &state.bodies.pose[body];
     Pose::new(pose.quat(), pose.point(state.bodies.mass[body].centre))
 }
 
-/// Where that frame is after `seconds` with constant velocity and spin.
-fn moved_centre(state: &State, body: usize, seconds: f32) -> Pose {
-    let from = centre_pose(state, body);
-    let velocity = state.bodies.momentum[body].velocity;
-    let turn = math::quat_from_rotation_vector(spin(state, body) * seconds);
-    Pose::new(
-        turned(turn, from.quat()),
-        from.translation() + velocity * seconds,
-    )
-}
-
-fn turned(turn: Quat, from: Quat) -> Quat {
-    if turn == Quat::IDENTITY {
-        from
-    } else {
-        math::renormalised(turn * from)
-    }
-}
-
-/// Whether a dynamic body stands still through a stretch: it sleeps or was stopped.
+/// Whether a body stands still from `time` on: it sleeps or was stopped.
 pub(super) fn is_stopped(state: &State, body: usize, time: f32) -> bool {
     state.legs.stop_time[body] <= time || state.bodies.momentum[body].asleep == 1
 }
 
-/// The motion of any piece through a stretch.
+/// Whether a loose body answers impulses in the stretch that starts at `time`.
+pub(super) fn is_free(state: &State, body: usize, time: f32) -> bool {
+    is_loose_kind(state.bodies.kind[body]) && !is_stopped(state, body, time)
+}
+
+/// A loose body's motion as the solver sees it; one that stands still cannot be moved.
+pub(super) fn mover(state: &State, body: usize, time: f32) -> Mover {
+    if !is_free(state, body, time) {
+        return Mover::default();
+    }
+    let mass = &state.bodies.mass[body];
+    let inverse_inertia = mass.inverse_inertia(state.bodies.pose[body].quat());
+    Mover {
+        velocity: state.bodies.momentum[body].velocity,
+        spin: inverse_inertia * state.bodies.momentum[body].angular,
+        inverse_mass: mass.inverse_mass,
+        inverse_inertia,
+    }
+}
+
+/// The angular momentum that goes with a change of a mover's spin.
+pub(super) fn angular_after(state: &State, body: usize, before: Vec3, change: Vec3) -> Vec3 {
+    if change == Vec3::ZERO {
+        return before;
+    }
+    before + state.bodies.mass[body].inertia(state.bodies.pose[body].quat()) * change
+}
+
+/// The angular momentum after the impacts of an event.
+fn angular_begun(state: &State, body: usize) -> Vec3 {
+    let before = state.bodies.momentum[body].angular;
+    let change = state.rows.begun[body].spin - spin(state, body);
+    angular_after(state, body, before, change)
+}
+
+/// Writes down where a loose body is at the end of a stretch, given its motion at both ends: velocity and
+/// angular momentum change evenly in between.
+pub(super) fn aim(state: &mut State, body: usize, stretch: &Stretch) {
+    let from = centre_pose(state, body);
+    let (begun, ended) = (state.rows.begun[body], state.rows.movers[body]);
+    let before = angular_begun(state, body);
+    let after = angular_after(state, body, before, ended.spin - begun.spin);
+    let seconds = stretch.seconds();
+    let way = (begun.velocity + ended.velocity) * (0.5 * seconds);
+    let turn = turned(
+        &state.bodies.mass[body],
+        from.quat(),
+        0.5 * (before + after),
+        seconds,
+    );
+    state.islands.angular[body] = after;
+    state.islands.goal[body] = Pose::new(turn, from.translation() + way);
+}
+
+/// The motion of any piece through a stretch; loose ones of the island were aimed.
 pub(super) fn motion<'a>(state: &'a State, piece: usize, stretch: &Stretch) -> Motion<'a> {
     let body = state.pieces.body[piece] as usize;
     let kind = state.pieces.body_kind[piece];
-    if kind == BodyKind::Dynamic.code() {
-        dynamic_motion(state, piece, body, stretch)
+    if is_loose_kind(kind) && state.islands.label[body] == stretch.island {
+        loose_motion(state, piece, body, stretch)
     } else if kind == BodyKind::Driven.code() {
         piece_motion(state, piece, &driven_track(state, body, stretch))
+    } else if is_loose_kind(kind) {
+        Motion::still(state.bodies.pose[body].then(&state.pieces.local[piece]))
     } else {
         Motion::still(state.pieces.world[piece])
     }
 }
 
-fn dynamic_motion<'a>(
-    state: &'a State,
-    piece: usize,
-    body: usize,
-    stretch: &Stretch,
-) -> Motion<'a> {
+fn loose_motion<'a>(state: &'a State, piece: usize, body: usize, stretch: &Stretch) -> Motion<'a> {
     let from = centre_pose(state, body);
-    let to = if is_stopped(state, body, stretch.from) {
+    let stopped = is_stopped(state, body, stretch.from);
+    let to = if stopped {
         from
     } else {
-        moved_centre(state, body, stretch.seconds())
+        state.islands.goal[body]
     };
     let local = &state.pieces.local[piece];
     let in_centre = local.moved(-state.bodies.mass[body].centre);
-    Motion::new(
+    let motion = Motion::new(
         Track::between(from, to),
         Track::still(in_centre),
         state.pieces.shape[piece].core_reach(),
-    )
+    );
+    if stopped {
+        return motion;
+    }
+    let gained = state.rows.movers[body].velocity - state.rows.begun[body].velocity;
+    motion.bowed(gained * (0.5 * stretch.seconds()))
+}
+
+/// Where a piece is at the start of a stretch.
+pub(super) fn piece_at(state: &State, piece: usize, stretch: &Stretch) -> Pose {
+    let body = state.pieces.body[piece] as usize;
+    let kind = state.pieces.body_kind[piece];
+    if is_loose_kind(kind) {
+        state.bodies.pose[body].then(&state.pieces.local[piece])
+    } else if kind == BodyKind::Driven.code() {
+        piece_motion(state, piece, &driven_track(state, body, stretch)).at(0.0)
+    } else {
+        state.pieces.world[piece]
+    }
 }
 
 /// The part of a driven body's way that lies in a stretch, which does not cross the end of a leg.
@@ -141,30 +195,59 @@ pub(super) fn driven_track(state: &State, body: usize, stretch: &Stretch) -> Bod
     driven_at(legs, &start, 1.0).still()
 }
 
-/// Moves all dynamic bodies through the share `reached` of a stretch.
-pub(super) fn advance_all(state: &mut State, stretch: &Stretch, reached: f32) {
-    if reached <= 0.0 {
-        return;
-    }
-    for body in 0..state.registers.body_slots as usize {
-        let moves =
-            is_body_of(state, body, BodyKind::Dynamic) && !is_stopped(state, body, stretch.from);
-        if moves {
-            let from = centre_pose(state, body);
-            let to = moved_centre(state, body, stretch.seconds());
-            let at = Track::between(from, to).at(reached);
-            let centre = state.bodies.mass[body].centre;
-            let origin = at.translation() - at.quat() * centre;
-            state.bodies.pose[body] = Pose::new(at.quat(), origin);
+/// Moves the island's loose bodies through the share `reached` of a stretch.
+pub(super) fn advance(state: &mut State, stretch: &Stretch, reached: f32) {
+    let mut next = Some(stretch.island as usize);
+    while let Some(body) = next {
+        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
+        if is_free(state, body, stretch.from) {
+            advance_one(state, body, stretch, reached);
         }
     }
 }
 
-/// Stops the bodies of the pair that last blocked the way: the driven one, or else the dynamic ones.
-pub(super) fn stop_blocked(state: &mut State, time: f32) {
-    let blocked = state.pairs.blocking[0];
-    let pair = state.pairs.list[blocked as usize];
+fn advance_one(state: &mut State, body: usize, stretch: &Stretch, reached: f32) {
+    let from = centre_pose(state, body);
+    let goal = state.islands.goal[body];
+    let (begun, ended) = (&state.rows.begun[body], &state.rows.movers[body]);
+    let gained = ended.velocity - begun.velocity;
+    let bow = gained * (0.5 * stretch.seconds());
+    let at = Track::between(from, goal)
+        .at(reached)
+        .moved(bow * (reached * reached - reached));
+    let (velocity, angular) = if reached >= 1.0 {
+        (ended.velocity, state.islands.angular[body])
+    } else {
+        let before = angular_begun(state, body);
+        let gained_angular = state.islands.angular[body] - before;
+        (
+            begun.velocity + gained * reached,
+            before + gained_angular * reached,
+        )
+    };
+    state.bodies.momentum[body].velocity = velocity;
+    state.bodies.momentum[body].angular = angular;
+    if reached > 0.0 && at != from {
+        state.bodies.pose[body] = origin_of(state, body, &at);
+    }
+}
+
+/// The body's pose for a pose of the frame at its centre of mass.
+fn origin_of(state: &State, body: usize, centre: &Pose) -> Pose {
+    let rotation: Quat = centre.quat();
+    let here = state.bodies.mass[body].centre;
+    Pose::new(rotation, centre.translation() - rotation * here)
+}
+
+/// Stops the bodies of the pair that blocked the way: the driven one, or else the loose ones. In front of a
+/// body of another island, a loose body waits with what speed it has.
+pub(super) fn stop_blocked(state: &mut State, blocked: usize, time: f32) {
+    let pair = state.islands.pairs[blocked];
     let bodies = [pair.a, pair.b].map(|piece| state.pieces.body[piece as usize] as usize);
+    if pair.foreign == 1 {
+        state.legs.stop_time[bodies[0]] = time;
+        return;
+    }
     let driven = bodies
         .into_iter()
         .find(|&body| state.bodies.kind[body] == BodyKind::Driven.code());
@@ -172,68 +255,27 @@ pub(super) fn stop_blocked(state: &mut State, time: f32) {
         Some(body) if state.legs.stop_time[body] > time => state.legs.stop_time[body] = time,
         _ => {
             for body in bodies {
-                stop_dynamic(state, body, time);
+                stop_loose(state, body, time);
             }
         }
     }
 }
 
-fn stop_dynamic(state: &mut State, body: usize, time: f32) {
-    if state.bodies.kind[body] == BodyKind::Dynamic.code() {
+fn stop_loose(state: &mut State, body: usize, time: f32) {
+    if is_loose_kind(state.bodies.kind[body]) {
         state.legs.stop_time[body] = math::min(state.legs.stop_time[body], time);
         state.bodies.momentum[body].velocity = Vec3::ZERO;
         state.bodies.momentum[body].angular = Vec3::ZERO;
     }
 }
 
-/// Stops everything that could meet a loose body: the frame ends early.
-pub(super) fn stop_all(state: &mut State, time: f32) {
-    for body in 0..state.registers.body_slots as usize {
-        let kind = state.bodies.kind[body];
-        let moves = kind == BodyKind::Driven.code() || kind == BodyKind::Dynamic.code();
-        if moves {
-            state.legs.stop_time[body] = math::min(state.legs.stop_time[body], time);
-        }
+/// Stops every body of an island: its frame ends early.
+pub(super) fn stop_all(state: &mut State, island: usize, time: f32) {
+    let mut next = Some(island);
+    while let Some(body) = next {
+        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
+        state.legs.stop_time[body] = math::min(state.legs.stop_time[body], time);
     }
-}
-
-/// Whether something that moves comes near a sleeping body this frame.
-pub(super) fn is_disturbed(state: &State, body: usize, dt_s: f32) -> bool {
-    let whole = Stretch {
-        from: 0.0,
-        to: 1.0,
-        dt_s,
-    };
-    let mut own = Bounds::EMPTY;
-    for piece in PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]) {
-        own = own.union(state.pieces.bounds[piece]);
-    }
-    let own = own.grown(LOOSE_MARGIN_M);
-    if driven_near(state, &own) {
-        return true;
-    }
-    for piece in 0..state.registers.piece_slots as usize {
-        let other = state.pieces.body[piece] as usize;
-        if other != body && disturbs(state, piece, other, &own, &whole) {
-            return true;
-        }
-    }
-    false
-}
-
-fn disturbs(state: &State, piece: usize, other: usize, near: &Bounds, whole: &Stretch) -> bool {
-    let kind = state.pieces.body_kind[piece];
-    let awake = kind == BodyKind::Dynamic.code() && state.bodies.momentum[other].asleep == 0;
-    awake && super::sweep::swept_bounds(state, piece, whole).overlaps(near)
-}
-
-/// Whether a driven body that moves this frame comes near a box.
-fn driven_near(state: &State, near: &Bounds) -> bool {
-    (0..state.registers.body_slots as usize).any(|body| {
-        is_body_of(state, body, BodyKind::Driven)
-            && state.legs.count[body] > 0
-            && state.legs.whole[body].overlaps(near)
-    })
 }
 
 /// The farthest that a body's surface is from its centre of mass, in metres.
@@ -245,4 +287,9 @@ pub(super) fn reach_m(state: &State, body: usize) -> f32 {
         reach = math::max(reach, arm + state.pieces.shape[piece].reach);
     }
     reach
+}
+
+/// Whether any driven body is in an island.
+pub(super) fn has_driven(state: &State, island: usize) -> bool {
+    Members::of(state, island).any(|body| state.bodies.kind[body] == BodyKind::Driven.code())
 }

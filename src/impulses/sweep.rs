@@ -1,10 +1,10 @@
-//! How far along a stretch everybody stays clear of the loose bodies.
+//! Pairs of an island, and how far along a stretch everybody stays clear.
 
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
 use super::Stretch;
-use super::movers::{is_stopped, motion};
+use super::movers::{is_stopped, motion, piece_at};
 use crate::geometry::manifold::{Contact, manifold};
 use crate::geometry::motion::Track;
 use crate::geometry::separation::core_gap_from;
@@ -15,34 +15,38 @@ use crate::limits::{
 };
 use crate::math::{self, Pose};
 use crate::state::State;
-use crate::state::bodies::BodyKind;
+use crate::state::bodies::{BodyKind, is_loose_kind};
 use crate::state::contacts::{self, Pair};
 use crate::state::pieces::Bounds;
 use crate::state::purse::Purse;
-use crate::state::ways::{self, BodyTrack, Leg};
+use crate::state::ways::{self, BodyTrack, Leg, Position, piece_pose};
 
-/// A box around a piece's whole way through a stretch.
-pub(super) fn swept_bounds(state: &State, piece: usize, stretch: &Stretch) -> Bounds {
-    if state.pieces.body_kind[piece] == BodyKind::Fixed.code() {
-        return state.pieces.bounds[piece];
-    }
-    ways::swept_bounds(state, piece, &motion(state, piece, stretch))
-}
-
-/// Boxes around the ways of all pieces that are not loose, through the whole frame: they do not change
-/// with impulses.
-pub(super) fn begin(state: &mut State) {
+/// Boxes around the ways of all pieces that are not the island's own loose ones, through the whole frame:
+/// they do not change with impulses.
+pub(super) fn begin(state: &mut State, island: u32) {
     for piece in 0..state.registers.piece_slots as usize {
         let kind = state.pieces.body_kind[piece];
-        let bounds = if kind == BodyKind::Driven.code() {
-            driven_bounds(state, piece)
-        } else if kind == 0 {
-            Bounds::EMPTY
-        } else {
-            state.pieces.bounds[piece]
-        };
-        state.pairs.swept[piece] = bounds.grown(LOOSE_MARGIN_M);
+        let body = state.pieces.body[piece] as usize;
+        let own = is_loose_kind(kind) && state.islands.label[body] == island;
+        if !own {
+            let bounds = if kind == BodyKind::Driven.code() {
+                driven_bounds(state, piece)
+            } else if is_loose_kind(kind) {
+                loose_bounds(state, piece, body)
+            } else if kind == 0 {
+                Bounds::EMPTY
+            } else {
+                state.pieces.bounds[piece]
+            };
+            state.islands.swept[piece] = bounds.grown(LOOSE_MARGIN_M);
+        }
     }
+}
+
+/// The box of a piece of a loose body where it is now.
+fn loose_bounds(state: &State, piece: usize, body: usize) -> Bounds {
+    let pose = state.bodies.pose[body].then(&state.pieces.local[piece]);
+    Bounds::of(&state.pieces.shape[piece], &pose)
 }
 
 /// A box around a driven piece's whole way through the frame.
@@ -81,37 +85,87 @@ fn leg_track(leg: &Leg, index: usize) -> BodyTrack {
 /// The boxes are grown, so that the pairs mostly stay as they are from event to event, with what is
 /// known of them.
 pub(super) fn update(state: &mut State, stretch: &Stretch, count: &mut Option<usize>) -> bool {
-    let slots = state.registers.piece_slots as usize;
     let mut covered = count.is_some();
-    for piece in 0..slots {
-        if is_loose(state, piece) {
-            let bounds = swept_bounds(state, piece, stretch).grown(LOOSE_MARGIN_M);
-            if !state.pairs.swept[piece].contains(&bounds) || !covered {
-                state.pairs.swept[piece] = bounds.grown(PAIR_MARGIN_M);
+    let mut next = Some(stretch.island as usize);
+    while let Some(body) = next {
+        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
+        if !is_loose_kind(state.bodies.kind[body]) {
+            continue;
+        }
+        let mut piece = state.bodies.first_piece[body];
+        while let Some(index) = piece.checked_sub(1) {
+            let index = index as usize;
+            let way = ways::swept_bounds(state, index, &motion(state, index, stretch));
+            let bounds = way.grown(LOOSE_MARGIN_M);
+            if !covered || !state.islands.swept[index].contains(&bounds) {
+                state.islands.swept[index] = bounds.grown(PAIR_MARGIN_M);
                 covered = false;
             }
+            piece = state.pieces.next[index];
         }
     }
     if !covered {
-        *count = collect(state);
+        *count = collect(state, stretch.island);
     }
     count.is_some()
 }
 
-/// Writes the pairs whose boxes overlap and that have a loose piece; `None` when there is no room.
-fn collect(state: &mut State) -> Option<usize> {
-    let slots = state.registers.piece_slots as usize;
+/// Writes the pairs whose boxes overlap and that have a loose piece of the island; `None` when there is
+/// no room.
+fn collect(state: &mut State, island: u32) -> Option<usize> {
     let mut count = 0;
-    for a in 0..slots {
-        if is_loose(state, a) {
-            for b in 0..slots {
-                if may_touch(state, a, b) {
-                    contacts::push(state, &mut count, a, b).ok()?;
-                }
+    let mut next = Some(island as usize);
+    while let Some(body) = next {
+        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
+        if is_loose_kind(state.bodies.kind[body]) {
+            let mut piece = state.bodies.first_piece[body];
+            while let Some(index) = piece.checked_sub(1) {
+                collect_piece(state, island, body, index as usize, &mut count)?;
+                piece = state.pieces.next[index as usize];
             }
         }
     }
     Some(count)
+}
+
+fn collect_piece(
+    state: &mut State,
+    island: u32,
+    body: usize,
+    a: usize,
+    count: &mut usize,
+) -> Option<()> {
+    for b in 0..state.registers.piece_slots as usize {
+        let Some(foreign) = may_touch(state, island, body, a, b) else {
+            continue;
+        };
+        let mark = &mut state.registers.high_water.pairs;
+        contacts::push(state.islands.pairs, count, mark, a, b).ok()?;
+        state.islands.pairs[*count - 1].foreign = u32::from(foreign);
+    }
+    Some(())
+}
+
+/// Whether two pieces may touch, and whether the second belongs to another island.
+fn may_touch(state: &State, island: u32, body: usize, a: usize, b: usize) -> Option<bool> {
+    let kind = state.pieces.body_kind[b];
+    if kind == 0 || !state.islands.swept[a].overlaps(&state.islands.swept[b]) {
+        return None;
+    }
+    let other = state.pieces.body[b] as usize;
+    let own = state.islands.label[other] == island;
+    let loose = is_loose_kind(kind);
+    // Each pair of loose bodies once.
+    let twice = loose && own && other <= body;
+    (other != body && !twice).then_some(!own && kind != BodyKind::Fixed.code())
+}
+
+/// A pair that is close at the start of a stretch.
+pub(super) struct Measured {
+    /// In the frame of B.
+    pub contacts: ArrayVec<Contact, MANIFOLD_CONTACTS_MAX>,
+    pub pose_a: Pose,
+    pub pose_b: Pose,
 }
 
 /// Measures the gap of a pair at the start of a stretch, by its boxes when they tell enough.
@@ -119,71 +173,60 @@ fn collect(state: &mut State) -> Option<usize> {
 /// Answers what the contacts are made from, or nothing when the pieces are farther apart than loose
 /// contacts are.
 pub(super) fn measure(state: &mut State, index: usize, stretch: &Stretch) -> Option<Measured> {
-    let pair = state.pairs.list[index];
+    let pair = state.islands.pairs[index];
     let (a, b) = (pair.a as usize, pair.b as usize);
-    let pose_a = motion(state, a, stretch).at(0.0);
-    let pose_b = motion(state, b, stretch).at(0.0);
+    let pose_a = piece_at(state, a, stretch);
+    let pose_b = piece_at(state, b, stretch);
     let (shape_a, shape_b) = (&state.pieces.shape[a], &state.pieces.shape[b]);
     let apart = Bounds::of(shape_a, &pose_a).gap(&Bounds::of(shape_b, &pose_b));
+    if apart > LOOSE_MARGIN_M {
+        state.islands.pairs[index].gap = apart;
+        return None;
+    }
     let mut feature = pair.feature;
-    let found = (apart <= LOOSE_MARGIN_M).then(|| {
-        let (a, b) = (state.pools.convex(shape_a), state.pools.convex(shape_b));
-        let a_in_b = pose_a.seen_from(&pose_b);
-        let core = core_gap_from(&a, &b, &a_in_b, &mut feature);
-        Measured {
-            contacts: manifold(&a, &b, &a_in_b, &core, LOOSE_MARGIN_M),
-            gap: core.gap - a.radius - b.radius,
-            normal: pose_b.quat() * core.normal,
-            pose_b,
-        }
-    });
-    let pair = &mut state.pairs.list[index];
+    let (a, b) = (state.pools.convex(shape_a), state.pools.convex(shape_b));
+    let a_in_b = pose_a.seen_from(&pose_b);
+    let core = core_gap_from(&a, &b, &a_in_b, &mut feature);
+    let gap = core.gap - a.radius - b.radius;
+    let contacts = if gap <= LOOSE_MARGIN_M && pair.foreign == 0 {
+        manifold(&a, &b, &a_in_b, &core, LOOSE_MARGIN_M)
+    } else {
+        ArrayVec::new()
+    };
+    let pair = &mut state.islands.pairs[index];
     pair.feature = feature;
-    pair.gap = found.as_ref().map_or(apart, |measured| measured.gap);
-    pair.normal = found
-        .as_ref()
-        .map_or(pair.normal, |measured| measured.normal);
-    found
+    pair.gap = gap;
+    pair.normal = pose_b.quat() * core.normal;
+    Some(Measured {
+        contacts,
+        pose_a,
+        pose_b,
+    })
 }
 
-/// A pair that is close at the start of a stretch.
-pub(super) struct Measured {
-    /// In the frame of B.
-    pub contacts: ArrayVec<Contact, MANIFOLD_CONTACTS_MAX>,
-    pub gap: f32,
-    /// In the world.
-    pub normal: Vec3,
-    pub pose_b: Pose,
+/// How far a sweep came, as a share of the stretch, and the pair that ended it.
+pub(super) struct Swept {
+    pub reached: f32,
+    pub blocked: usize,
 }
 
-/// Whether a piece belongs to a dynamic body that is awake.
-fn is_loose(state: &State, piece: usize) -> bool {
-    state.pieces.body_kind[piece] == BodyKind::Dynamic.code()
-        && state.bodies.momentum[state.pieces.body[piece] as usize].asleep == 0
-}
-
-fn may_touch(state: &State, a: usize, b: usize) -> bool {
-    let pieces = &state.pieces;
-    let apart = pieces.body_kind[b] == 0 || pieces.body[a] == pieces.body[b];
-    let twice = a > b && is_loose(state, b);
-    !apart && !twice && state.pairs.swept[a].overlaps(&state.pairs.swept[b])
-}
-
-/// Advances all pairs; the share of the stretch that everybody stays clear for. The pair that
-/// blocked the way is noted.
-pub(super) fn run(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mut Purse) -> f32 {
+/// Advances all pairs; how long everybody stays clear.
+pub(super) fn run(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mut Purse) -> Swept {
     start(state, pairs, stretch);
     loop {
-        let Some(next) = state.pairs.least_certified(pairs) else {
-            return 1.0;
+        let Some(next) = contacts::least_certified(&state.islands.pairs[..pairs]) else {
+            return Swept {
+                reached: 1.0,
+                blocked: 0,
+            };
         };
-        let time = state.pairs.list[next].clear_until;
-        if time >= 1.0 {
-            return 1.0;
-        }
-        state.pairs.blocking[0] = next as u32;
-        if !purse.take() || certify(state, next, stretch, time) {
-            return time;
+        let time = state.islands.pairs[next].clear_until;
+        let over = time >= 1.0 || !purse.take() || certify(state, next, stretch, time);
+        if over {
+            return Swept {
+                reached: math::min(time, 1.0),
+                blocked: next,
+            };
         }
     }
 }
@@ -191,11 +234,11 @@ pub(super) fn run(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mu
 /// How long the gaps that were measured at the start last at the most.
 fn start(state: &mut State, pairs: usize, stretch: &Stretch) {
     for index in 0..pairs {
-        let pair = state.pairs.list[index];
+        let pair = state.islands.pairs[index];
         let way = motion(state, pair.a as usize, stretch).way_m()
             + motion(state, pair.b as usize, stretch).way_m();
         let slack = pair.gap - GAP_FLOOR_M;
-        state.pairs.list[index].clear_until = if slack > 0.0 {
+        state.islands.pairs[index].clear_until = if slack > 0.0 {
             math::min(slack / math::max(way, 1e-30), 1.0)
         } else {
             0.0
@@ -205,12 +248,12 @@ fn start(state: &mut State, pairs: usize, stretch: &Stretch) {
 
 /// Certifies a pair beyond `time`; true when it cannot be, so that it blocks the way.
 fn certify(state: &mut State, index: usize, stretch: &Stretch, time: f32) -> bool {
-    let pair = state.pairs.list[index];
+    let pair = state.islands.pairs[index];
     let moving = moving_pair(state, &pair, stretch);
     let mut feature = pair.feature;
     let found = moving.clear_until(time, GAP_FLOOR_M, &mut feature, LOOSE_ACCURACY);
     let way = moving.motion_a.way_m() + moving.motion_b.way_m();
-    let pair = &mut state.pairs.list[index];
+    let pair = &mut state.islands.pairs[index];
     pair.feature = feature;
     pair.normal = found.normal;
     pair.clear_until = math::max(time, found.clear_until);
@@ -218,7 +261,7 @@ fn certify(state: &mut State, index: usize, stretch: &Stretch, time: f32) -> boo
 }
 
 /// The pair as geometry sees it through a stretch.
-pub(super) fn moving_pair<'a>(state: &'a State, pair: &Pair, stretch: &Stretch) -> MovingPair<'a> {
+fn moving_pair<'a>(state: &'a State, pair: &Pair, stretch: &Stretch) -> MovingPair<'a> {
     let (a, b) = (pair.a as usize, pair.b as usize);
     MovingPair {
         a: state.pools.convex(&state.pieces.shape[a]),
@@ -229,15 +272,51 @@ pub(super) fn moving_pair<'a>(state: &'a State, pair: &Pair, stretch: &Stretch) 
 }
 
 /// The velocity that a piece's motion gives the point `at` of the world, impulses aside, in m/s: the
-/// mean over the stretch for driven pieces, zero for all others.
-pub(super) fn prescribed(state: &State, piece: usize, at: Vec3, stretch: &Stretch) -> Vec3 {
+/// mean over the stretch for driven pieces, zero for all others. A body that holds its turn and its pieces
+/// moves with its root alone.
+pub(super) fn prescribed(
+    state: &State,
+    piece: usize,
+    at: Vec3,
+    holds: bool,
+    stretch: &Stretch,
+) -> Vec3 {
     let body = state.pieces.body[piece] as usize;
     let driven = state.pieces.body_kind[piece] == BodyKind::Driven.code();
     if !driven || is_stopped(state, body, stretch.from) {
         return Vec3::ZERO;
     }
+    if holds {
+        return root_velocity(state, body, stretch);
+    }
     let motion = motion(state, piece, stretch);
     let (from, to) = (motion.at(0.0), motion.at(1.0));
     let material = from.quat().conjugate() * (at - from.translation());
     (to.point(material) - at) / stretch.seconds()
+}
+
+/// The mean velocity of a driven body's root through the whole rest of the frame, in m/s.
+pub(super) fn root_velocity(state: &State, body: usize, stretch: &Stretch) -> Vec3 {
+    let legs = state.legs.of(body);
+    let start = state.bodies.pose[body];
+    let from = ways::driven_at(legs, &start, stretch.from).root;
+    let to = ways::driven_at(legs, &start, 1.0).root;
+    let seconds = (1.0 - stretch.from) * stretch.dt_s;
+    (to.translation() - from.translation()) / seconds
+}
+
+/// How far a driven piece's point `at` is from where its trackers want it within the body, in metres: its
+/// turn, its own pose and its link.
+pub(super) fn withheld(state: &State, piece: usize, at: Vec3) -> Vec3 {
+    let body = state.pieces.body[piece] as usize;
+    let here = state.pieces.world[piece];
+    let material = here.quat().conjugate() * (at - here.translation());
+    let pose = state.bodies.pose[body];
+    let wanted = Position {
+        root: Pose::new(state.legs.wanted[body].quat(), pose.translation()),
+        local: 1.0,
+        leg: 0,
+        share: 1.0,
+    };
+    piece_pose(state, piece, &wanted).point(material) - at
 }

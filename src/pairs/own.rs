@@ -29,7 +29,8 @@ pub(super) fn collect(
         while second != first {
             let other = second as usize - 1;
             if bounds.overlaps(&state.ways.swept[other]) && may_meet(state, piece, other) {
-                push(state, count, piece, other)?;
+                let mark = &mut state.registers.high_water.pairs;
+                push(state.pairs.list, count, mark, piece, other)?;
             }
             second = state.pieces.next[other];
         }

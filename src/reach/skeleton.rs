@@ -15,6 +15,7 @@ use crate::state::State;
 use crate::state::chains::{
     ChainOptions, ChainReport, End, chains_of, cone_slot, joints_of, place_links, slot_range,
 };
+use crate::state::contacts::least_certified;
 use crate::state::purse::Purse;
 use crate::state::ways::{Position, is_own};
 
@@ -89,7 +90,7 @@ fn are_within_cones(state: &State, body: usize, leg: usize, share: f32) -> bool 
 
 /// Holds the chains of the pair that blocks the way; false when there are none that move.
 pub(crate) fn hold_blocked(state: &mut State, pairs: usize) -> bool {
-    let Some(index) = state.pairs.least_certified(pairs) else {
+    let Some(index) = least_certified(&state.pairs.list[..pairs]) else {
         return false;
     };
     let pair = state.pairs.list[index];

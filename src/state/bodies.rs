@@ -17,6 +17,9 @@ pub enum BodyKind {
     Dynamic = 2,
     /// A tracker, through a coupling, and never into fixed bodies.
     Driven = 3,
+    /// The host's own physics engine: the host writes its pose and velocity before each frame, and reads
+    /// back the impulses that it got.
+    Hosted = 4,
 }
 
 impl BodyKind {
@@ -42,6 +45,8 @@ pub struct Coupling {
     pub snap: u32,
     /// How long a lost tracker's last target is kept before the body counts as lost, in seconds.
     pub grace_s: f32,
+    /// How the body pushes loose ones: one of the `PUSH_*` constants.
+    pub push: u32,
 }
 
 impl Coupling {
@@ -49,6 +54,10 @@ impl Coupling {
     pub const SNAP_NEVER: u32 = 0;
     /// A detached body jumps to its tracker as soon as nothing is in the way there.
     pub const SNAP_WHEN_FREE: u32 = 1;
+    /// The body pushes what is free as if it had no end of mass: without lag.
+    pub const PUSH_WITHOUT_LAG: u32 = 0;
+    /// The body pushes with the mass of its spring, and gives way to what is heavy.
+    pub const PUSH_WITH_MASS: u32 = 1;
     /// Critically damped, settles in about 0.1 s, reports as detached beyond 0.3 m.
     pub const DEFAULT: Self = Self {
         mass_kg: 0.4,
@@ -57,6 +66,7 @@ impl Coupling {
         divergence_m: 0.3,
         snap: Self::SNAP_NEVER,
         grace_s: 0.1,
+        push: Self::PUSH_WITHOUT_LAG,
     };
 
     /// Whether the spring is one that f32 can integrate: mass 1e-6 to 1e6 kg, stiffness 0 to 1e9 N/m,
@@ -70,6 +80,7 @@ impl Coupling {
             && self.divergence_m > 0.0
             && self.grace_s >= 0.0
             && self.snap <= Self::SNAP_WHEN_FREE
+            && self.push <= Self::PUSH_WITH_MASS
     }
 }
 
@@ -121,6 +132,51 @@ pub(crate) struct Momentum {
     pub still_s: f32,
     /// One while the body sleeps.
     pub asleep: u32,
+    /// Bodies that fell asleep together have the same number, and wake together.
+    pub nap: u32,
+}
+
+/// What the host makes a loose body feel in the next frame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Load {
+    /// In newtons.
+    pub force: Vec3,
+    /// About the centre of mass, in newton metres, in the world.
+    pub torque: Vec3,
+}
+
+/// What the kernel's bodies did to a hosted body in a frame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct HostedImpulse {
+    /// In newton seconds, in the world.
+    pub impulse_n_s: [f32; 3],
+    /// About the centre of mass, in newton metre seconds, in the world.
+    pub angular_n_m_s: [f32; 3],
+    /// Mean of the contacts' points, weighted by their normal impulses; the centre of mass when there were
+    /// none. The two impulses above are all that an engine needs; this is where they came from.
+    pub point: [f32; 3],
+    /// Sum of the contacts' normal impulses, in newton seconds.
+    pub push_n_s: f32,
+    /// Contacts that carried an impulse.
+    pub contacts: u32,
+}
+
+/// How a driven body gave way to loose ones in the last frame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Yielding {
+    /// One when it took part with its coupling's mass, two when it kept its turn and its pieces too.
+    pub level: u32,
+    /// The mass that a body held by its coupling has over a frame, in kg.
+    pub mass_kg: f32,
+    /// Velocity of the root in the last frame, in m/s.
+    pub velocity: Vec3,
+    /// Impulse of loose bodies on it in the last frame, in newton seconds.
+    pub reaction: Vec3,
+    /// One while it rests on loose bodies that sleep.
+    pub leans: u32,
 }
 
 /// What is known of a driven body's tracker.
@@ -168,6 +224,9 @@ pub struct DrivenReport {
     pub displacement_m: f32,
     /// Force of the coupling on the hand, in newtons, in the world: the haptic signal.
     pub force_n: [f32; 3],
+    /// Mean force of loose bodies on the body over the frame, in newtons, in the world. A body that pushes
+    /// without lag feels it here alone; one that gives way feels it in its coupling too.
+    pub reaction_n: [f32; 3],
 }
 
 impl DrivenReport {
@@ -220,12 +279,25 @@ columns! {
         pose: [Pose; capacities.bodies],
         mass: [BodyMass; capacities.bodies],
         momentum: [Momentum; capacities.bodies],
+        load: [Load; capacities.bodies],
+        hosted: [HostedImpulse; capacities.bodies],
+        yielding: [Yielding; capacities.bodies],
         tracker: [Tracker; capacities.bodies],
         coupling: [Coupling; capacities.bodies],
         displacement: [Displacement; capacities.bodies],
         report: [DrivenReport; capacities.bodies],
         settled: [Settled; capacities.bodies],
     }
+}
+
+/// Whether bodies of this kind answer impulses: dynamic and hosted ones.
+pub(crate) const fn is_loose_kind(kind: u32) -> bool {
+    kind == BodyKind::Dynamic.code() || kind == BodyKind::Hosted.code()
+}
+
+/// Whether a slot holds a body that answers impulses.
+pub(crate) fn is_loose(state: &State, body: usize) -> bool {
+    is_alive(state.bodies.generation[body]) && is_loose_kind(state.bodies.kind[body])
 }
 
 /// Whether a slot holds a body of a kind.

@@ -35,6 +35,8 @@ pub(crate) struct Pair {
     pub bending_gap: f32,
     /// One when `gap` and `normal` were measured at the very pose that the leg starts from.
     pub measured: u32,
+    /// One when the other piece belongs to another island: it is kept clear of, and nothing more.
+    pub foreign: u32,
 }
 
 /// A contact that the host can read after a frame.
@@ -53,56 +55,31 @@ pub struct ContactPoint {
     pub gap_m: f32,
     /// Impulse on A along the normal during the frame, in newton seconds; zero for driven against fixed.
     pub impulse_n_s: f32,
-}
-
-/// One contact of a loose body while its impulses are solved.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub(crate) struct Constraint {
-    pub pair: u32,
-    pub body_a: u32,
-    pub body_b: u32,
-    /// How often an impulse was applied here.
-    pub impulses: u32,
-    pub point: Vec3,
-    pub normal: Vec3,
-    pub gap: f32,
-    /// Velocity of B's surface that impulses do not change (a driven mover), in m/s.
-    pub prescribed_a: Vec3,
-    pub prescribed_b: Vec3,
-    /// The normal velocity that the contact must at least have, in m/s.
-    pub target: f32,
-    pub restitution: f32,
-    pub friction: f32,
-    /// Impulse on A in this event, in newton seconds.
-    pub impulse: Vec3,
+    /// Fastest approach of the surfaces in the frame before an impulse, in m/s; zero for driven against
+    /// fixed.
+    pub approach_m_s: f32,
+    /// Speed of the surfaces along each other, in m/s.
+    pub slide_m_s: f32,
 }
 
 columns! {
     /// Pairs of the frame: scratch.
     pub(crate) struct Pairs(capacities) {
         list: [Pair; capacities.pairs],
-        constraints: [Constraint; capacities.contacts],
-        /// Box around each piece's way through a stretch of the frame.
+        /// Box around each piece's way through the frame.
         swept: [Bounds; capacities.pieces],
-        /// The pair that blocked the last sweep.
-        blocking: [u32; 1],
     }
 }
 
-impl Pairs<'_> {
-    /// The one of the first `count` pairs that is certified clear for the shortest time, the first of
-    /// those that tie.
-    pub(crate) fn least_certified(&self, count: usize) -> Option<usize> {
-        let list = &self.list[..count];
-        let mut least = 0;
-        for (index, pair) in list.iter().enumerate() {
-            if pair.clear_until < list[least].clear_until {
-                least = index;
-            }
+/// The pair that is certified clear for the shortest time, the first of those that tie.
+pub(crate) fn least_certified(pairs: &[Pair]) -> Option<usize> {
+    let mut least = 0;
+    for (index, pair) in pairs.iter().enumerate() {
+        if pair.clear_until < pairs[least].clear_until {
+            least = index;
         }
-        (!list.is_empty()).then_some(least)
     }
+    (!pairs.is_empty()).then_some(least)
 }
 
 columns! {
@@ -131,27 +108,19 @@ pub(crate) struct PairsFull;
 
 /// Adds a pair of which nothing is known yet.
 pub(crate) fn push(
-    state: &mut State,
+    pairs: &mut [Pair],
     count: &mut usize,
+    high_water: &mut u32,
     a: usize,
     b: usize,
 ) -> Result<(), PairsFull> {
-    let slot = state.pairs.list.get_mut(*count).ok_or(PairsFull)?;
+    let slot = pairs.get_mut(*count).ok_or(PairsFull)?;
     *slot = Pair {
         a: a as u32,
         b: b as u32,
-        gap: 0.0,
-        gap_time: 0.0,
-        clear_until: 0.0,
-        normal: glam::Vec3::ZERO,
-        feature: WarmFeature::new(),
-        point: glam::Vec3::ZERO,
-        bends: 0,
-        bending_gap: 0.0,
-        measured: 0,
+        ..Pair::zeroed()
     };
     *count += 1;
-    let mark = &mut state.registers.high_water.pairs;
-    *mark = (*mark).max(*count as u32);
+    *high_water = (*high_water).max(*count as u32);
     Ok(())
 }

@@ -9,7 +9,8 @@ use crate::memory::ids::free_slot;
 use crate::memory::{BodyId, PieceId};
 use crate::publish::place_pieces;
 use crate::state::bodies::{
-    BodyKind, BodyMass, Coupling, Displacement, DrivenReport, Momentum, Settled, Tracker,
+    BodyKind, BodyMass, Coupling, Displacement, DrivenReport, HostedImpulse, Load, Momentum,
+    Settled, Tracker, Yielding, is_loose_kind,
 };
 use crate::state::pieces::PiecesOf;
 
@@ -62,6 +63,10 @@ pub enum BodyError {
     WrongCount,
     /// A velocity is not finite or too fast.
     BadVelocity,
+    /// A force, a torque or an impulse is not finite or too large.
+    BadForce,
+    /// A mass or a moment of inertia is not one, or is out of range.
+    BadMass,
     /// Two bodies are needed, and both ids name the same one.
     SameBody,
 }
@@ -98,9 +103,13 @@ impl World<'_> {
         bodies.displacement[slot] = Displacement::default();
         bodies.report[slot] = DrivenReport::default();
         bodies.settled[slot] = Settled::default();
+        bodies.load[slot] = Load::default();
+        bodies.hosted[slot] = HostedImpulse::default();
+        bodies.yielding[slot] = Yielding::default();
         let id = BodyId::new(slot, bodies.generation[slot]);
         bodies.first_chain[slot] = 0;
         self.state.registers.driven += u32::from(def.kind == BodyKind::Driven);
+        self.state.registers.loose += u32::from(is_loose_kind(def.kind.code()));
         let slots = &mut self.state.registers.body_slots;
         *slots = (*slots).max(slot as u32 + 1);
         self.state.note_use();
@@ -121,6 +130,9 @@ impl World<'_> {
         if self.state.bodies.kind[body] == BodyKind::Driven.code() {
             self.state.registers.driven -= 1;
         }
+        if is_loose_kind(self.state.bodies.kind[body]) {
+            self.state.registers.loose -= 1;
+        }
         let bodies = &mut self.state.bodies;
         bodies.generation[body] = bodies.generation[body].wrapping_add(1);
         bodies.kind[body] = 0;
@@ -132,7 +144,7 @@ impl World<'_> {
             .ok_or(BodyError::Stale)
     }
 
-    fn index_of_kind(&self, id: BodyId, kind: BodyKind) -> Result<usize, BodyError> {
+    pub(crate) fn index_of_kind(&self, id: BodyId, kind: BodyKind) -> Result<usize, BodyError> {
         let body = self.body_index(id)?;
         if self.state.bodies.kind[body] != kind.code() {
             return Err(BodyError::WrongKind);
@@ -168,6 +180,9 @@ impl World<'_> {
             momentum.asleep = 0;
             momentum.still_s = 0.0;
         }
+        for yielding in self.state.bodies.yielding.iter_mut() {
+            yielding.leans = 0;
+        }
     }
 
     /// Sets a dynamic body's velocity (of its centre of mass, m/s) and angular velocity (rad/s, in
@@ -192,8 +207,7 @@ impl World<'_> {
         self.state.bodies.momentum[body] = Momentum {
             velocity: linear,
             angular: inertia * angular,
-            still_s: 0.0,
-            asleep: 0,
+            ..Momentum::default()
         };
         Ok(())
     }

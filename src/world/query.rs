@@ -377,6 +377,8 @@ impl<'s, 'w> Question<'s, 'w> {
                 normal: (to_world.quat() * found.normal).to_array(),
                 gap_m: found.gap,
                 impulse_n_s: 0.0,
+                approach_m_s: 0.0,
+                slide_m_s: 0.0,
             });
         }
     }

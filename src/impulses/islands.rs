@@ -1,0 +1,254 @@
+//! Which loose and driven bodies may touch each other within a frame, and who sleeps.
+
+use super::Stretch;
+use super::movers::{self, centre_pose, keep_sane, reach_m, spin};
+use crate::limits::{LOOSE_MARGIN_M, PAIR_MARGIN_M, SLEEP_S, STILL_SPEED};
+use crate::math;
+use crate::state::State;
+use crate::state::bodies::{BodyKind, is_body_of, is_loose};
+use crate::state::islands::Members;
+use crate::state::pieces::{Bounds, PiecesOf};
+
+/// No island.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Wakes what is about to be touched and finds the islands; false when nothing is awake.
+///
+/// Cost: a pass over pairs of bodies' boxes.
+pub(super) fn find(state: &mut State, dt_s: f32) -> bool {
+    let slots = state.registers.body_slots as usize;
+    for body in 0..slots {
+        state.islands.label[body] = NONE;
+        state.islands.next[body] = 0;
+        if is_loose(state, body) {
+            state.legs.stop_time[body] = 1.0;
+            state.islands.near[body] = near_loose(state, body, dt_s);
+        } else if is_body_of(state, body, BodyKind::Driven) {
+            state.islands.near[body] = near_driven(state, body);
+        }
+    }
+    wake_disturbed(state);
+    let mut any = false;
+    for body in 0..slots {
+        if is_up(state, body) {
+            keep_sane(state, body);
+            any |= state.bodies.momentum[body].asleep == 0;
+        }
+    }
+    any && label(state)
+}
+
+/// Whether a loose body is awake.
+fn is_up(state: &State, body: usize) -> bool {
+    is_loose(state, body) && state.bodies.momentum[body].asleep == 0
+}
+
+/// A box around all that a loose body may touch in the frame, impulses aside.
+fn near_loose(state: &State, body: usize, dt_s: f32) -> Bounds {
+    let mut own = Bounds::EMPTY;
+    for piece in PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]) {
+        own = own.union(state.pieces.bounds[piece]);
+    }
+    if state.bodies.momentum[body].asleep == 1 {
+        return own.grown(LOOSE_MARGIN_M);
+    }
+    let speed = math::length(state.bodies.momentum[body].velocity);
+    let fall = math::length(state.registers.gravity) * dt_s;
+    let turn = math::length(spin(state, body)) * reach_m(state, body);
+    own.grown((speed + fall + turn) * dt_s + LOOSE_MARGIN_M + PAIR_MARGIN_M)
+}
+
+/// A box around all that a driven body may touch in the frame.
+fn near_driven(state: &State, body: usize) -> Bounds {
+    if state.legs.count[body] > 0 {
+        return state.legs.whole[body];
+    }
+    let mut own = Bounds::EMPTY;
+    for piece in PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]) {
+        own = own.union(state.pieces.bounds[piece]);
+    }
+    own.grown(LOOSE_MARGIN_M)
+}
+
+/// Wakes sleeping bodies that something comes near, with those that fell asleep with them.
+fn wake_disturbed(state: &mut State) {
+    for body in 0..state.registers.body_slots as usize {
+        let sleeps = is_loose(state, body) && state.bodies.momentum[body].asleep == 1;
+        if sleeps && is_disturbed(state, body) {
+            wake_nap(state, state.bodies.momentum[body].nap);
+        }
+    }
+}
+
+fn is_disturbed(state: &State, body: usize) -> bool {
+    let near = state.islands.near[body];
+    (0..state.registers.body_slots as usize).any(|other| {
+        let driven = is_body_of(state, other, BodyKind::Driven) && state.legs.count[other] > 0;
+        other != body
+            && (driven || is_up(state, other))
+            && state.islands.near[other].overlaps(&near)
+    })
+}
+
+/// Wakes all that fell asleep together.
+fn wake_nap(state: &mut State, nap: u32) {
+    for body in 0..state.registers.body_slots as usize {
+        let momentum = &mut state.bodies.momentum[body];
+        if momentum.asleep == 1 && momentum.nap == nap {
+            wake(state, body);
+        }
+    }
+}
+
+/// Wakes a body. Driven bodies that lean on sleepers look again.
+fn wake(state: &mut State, body: usize) {
+    let momentum = &mut state.bodies.momentum[body];
+    momentum.asleep = 0;
+    momentum.still_s = 0.0;
+    for driven in 0..state.registers.body_slots as usize {
+        if state.bodies.yielding[driven].leans == 1 {
+            state.bodies.yielding[driven].leans = 0;
+            state.bodies.settled[driven].is_settled = 0;
+        }
+    }
+}
+
+/// Labels the bodies of each island by its smallest slot and links them; whether there is one that
+/// matters: dynamic bodies, or hosted ones beside driven ones.
+fn label(state: &mut State) -> bool {
+    let slots = state.registers.body_slots as usize;
+    for body in 0..slots {
+        if takes_part(state, body) {
+            state.islands.label[body] = body as u32;
+            for other in 0..body {
+                if state.islands.label[other] != NONE && may_meet(state, body, other) {
+                    unite(state, body, other);
+                }
+            }
+        }
+    }
+    // Linked from behind, so that each list ascends.
+    for body in (0..slots).rev() {
+        let label = state.islands.label[body];
+        if label != NONE && label as usize != body {
+            state.islands.next[body] = state.islands.next[label as usize];
+            state.islands.next[label as usize] = body as u32 + 1;
+        }
+    }
+    true
+}
+
+fn takes_part(state: &State, body: usize) -> bool {
+    is_up(state, body) || is_body_of(state, body, BodyKind::Driven)
+}
+
+fn may_meet(state: &State, body: usize, other: usize) -> bool {
+    let driven = |body: usize| state.bodies.kind[body] == BodyKind::Driven.code();
+    !(driven(body) && driven(other))
+        && state.islands.near[body].overlaps(&state.islands.near[other])
+}
+
+/// Gives all bodies of two islands the smaller label.
+fn unite(state: &mut State, a: usize, b: usize) {
+    let (a, b) = (state.islands.label[a], state.islands.label[b]);
+    let (kept, gone) = (a.min(b), a.max(b));
+    if kept != gone {
+        for label in &mut state.islands.label[..state.registers.body_slots as usize] {
+            if *label == gone {
+                *label = kept;
+            }
+        }
+    }
+}
+
+/// Whether a body begins an island that the frame has to go through.
+pub(super) fn begins(state: &State, body: usize) -> bool {
+    if state.islands.label[body] != body as u32 {
+        return false;
+    }
+    let (mut dynamic, mut hosted, mut driven) = (false, false, false);
+    for member in Members::of(state, body) {
+        let kind = state.bodies.kind[member];
+        dynamic |= kind == BodyKind::Dynamic.code();
+        hosted |= kind == BodyKind::Hosted.code();
+        driven |= kind == BodyKind::Driven.code();
+    }
+    dynamic || (hosted && driven)
+}
+
+/// Counts how long an island has been still, and puts it to sleep as a whole.
+pub(super) fn rest(state: &mut State, stretch: &Stretch) {
+    let island = stretch.island as usize;
+    let (mut still, mut rested) = (true, true);
+    let mut next = Some(island);
+    while let Some(body) = next {
+        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
+        match state.bodies.kind[body] {
+            kind if kind == BodyKind::Dynamic.code() => {
+                let slow = surface_speed(state, body) < STILL_SPEED;
+                let momentum = &mut state.bodies.momentum[body];
+                momentum.still_s = if slow {
+                    momentum.still_s + stretch.dt_s
+                } else {
+                    0.0
+                };
+                rested &= momentum.still_s >= SLEEP_S;
+            }
+            kind if kind == BodyKind::Driven.code() => {
+                still &= state.legs.count[body] == 0 || !touches(state, body);
+            }
+            _ => still = false,
+        }
+    }
+    if still && rested {
+        fall_asleep(state, island);
+    }
+}
+
+/// Whether a driven body touches a loose one.
+fn touches(state: &State, body: usize) -> bool {
+    state.bodies.yielding[body].level > 0
+        || state.bodies.yielding[body].reaction != glam::Vec3::ZERO
+}
+
+fn fall_asleep(state: &mut State, island: usize) {
+    let mut next = Some(island);
+    while let Some(body) = next {
+        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
+        if state.bodies.kind[body] == BodyKind::Dynamic.code() {
+            let momentum = &mut state.bodies.momentum[body];
+            momentum.asleep = 1;
+            momentum.nap = island as u32;
+            momentum.velocity = glam::Vec3::ZERO;
+            momentum.angular = glam::Vec3::ZERO;
+        } else if touches(state, body) && state.legs.count[body] == 0 {
+            state.bodies.yielding[body].leans = 1;
+        }
+    }
+}
+
+/// Upper bound of the speed of any point of a loose body, in m/s.
+fn surface_speed(state: &State, body: usize) -> f32 {
+    let speed = math::length(state.bodies.momentum[body].velocity);
+    speed + math::length(spin(state, body)) * reach_m(state, body)
+}
+
+/// Where the centre of mass of every member is.
+pub(super) fn note_centres(state: &mut State, island: usize) {
+    let mut next = Some(island);
+    while let Some(body) = next {
+        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
+        state.islands.centre[body] = centre_pose(state, body).translation();
+    }
+}
+
+/// Where every loose member is at the end of a stretch.
+pub(super) fn aim(state: &mut State, stretch: &Stretch) {
+    let mut next = Some(stretch.island as usize);
+    while let Some(body) = next {
+        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
+        if is_loose(state, body) {
+            movers::aim(state, body, stretch);
+        }
+    }
+}

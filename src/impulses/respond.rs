@@ -1,0 +1,537 @@
+//! What the bodies of an island do about the contacts of an event.
+//!
+//! First impacts, at once; then the forces of the stretch, evenly. Driven bodies are movers that impulses
+//! do not change, so that what is free is pushed without lag. Where that leaves contacts closing, an object
+//! cannot get out of the way: the driven bodies take part with the mass of their couplings
+//! ([`crate::couple`]), and where that does not help they keep their turn and their pieces too, pressed by
+//! the couplings' stiffness.
+
+use glam::Vec3;
+
+use super::movers::{is_free, mover};
+use super::solver::{Order, Problem};
+use super::sweep::{prescribed, root_velocity};
+use super::{Stretch, cluster, gather, rest, touch};
+use crate::limits::{
+    BOUNCE_MIN, GAP_FLOOR_M, GAP_RESTORED, GRIP_EVENED, LONE_BOUNCE_MIN, LOOSE_REST_M,
+    RESIDUAL_PART, RESTORING_SPEED_MAX, STEP_MIN_M, WEDGED_M,
+};
+use crate::math;
+use crate::state::State;
+use crate::state::bodies::{BodyKind, Coupling, is_loose_kind};
+use crate::state::islands::{GiveWay, Members};
+use crate::state::purse::Purse;
+use crate::state::rows::{Mover, Row};
+
+/// Gives the bodies of an island their motion at the start and the end of a stretch; how many impulses
+/// that took. In the first event of a frame, driven bodies may give way.
+pub(super) fn run(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut Purse) -> u32 {
+    let first = stretch.from == 0.0;
+    if first {
+        begin_giving(state, stretch);
+    }
+    let mut impulses = attempt(state, rows, stretch, purse);
+    for _ in 0..2 {
+        let better = is_wedged(state, rows, stretch)
+            && if first {
+                raise(state, rows)
+            } else {
+                stop(state, rows, stretch)
+            };
+        if !better {
+            break;
+        }
+        impulses += attempt(state, rows, stretch, purse);
+    }
+    impulses += merge(state, rows, stretch);
+    touch::note_impacts(state, rows);
+    if first {
+        give_way(state, rows, stretch);
+    }
+    impulses
+}
+
+/// Every body in its mover, before impulses.
+pub(super) fn ready(state: &mut State, stretch: &Stretch) {
+    let mut next = Some(stretch.island as usize);
+    while let Some(body) = next {
+        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
+        let made = mover(state, body, stretch.from);
+        state.rows.movers[body] = made;
+        state.rows.begun[body] = made;
+    }
+}
+
+fn is_driven(state: &State, body: u32) -> bool {
+    state.bodies.kind[body as usize] == BodyKind::Driven.code()
+}
+
+/// Starts the frame with what was found in the last one: who gave way does so again.
+fn begin_giving(state: &mut State, stretch: &Stretch) {
+    let mut next = Some(stretch.island as usize);
+    while let Some(body) = next {
+        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
+        let light = state.bodies.coupling[body].push == Coupling::PUSH_WITH_MASS;
+        let yielding = &mut state.bodies.yielding[body];
+        if light {
+            yielding.level = yielding.level.max(1);
+        }
+        state.islands.gives[body] = GiveWay {
+            holds: u32::from(yielding.level == 2),
+            ..GiveWay::default()
+        };
+    }
+}
+
+/// The problem that the rows pose.
+fn problem<'s>(state: &'s mut State, rows: usize, stretch: &Stretch) -> Problem<'s> {
+    let gravity = math::max(math::length(state.registers.gravity), 1.0);
+    Problem {
+        movers: &mut *state.rows.movers,
+        rows: &mut state.rows.rows[..rows],
+        first: &mut *state.rows.first,
+        queue: &mut *state.rows.queue,
+        order: Order::MostNegative,
+        tolerance: math::max(RESIDUAL_PART * gravity * stretch.dt_s, 1e-6),
+    }
+}
+
+/// Whether a driven body takes part with a mass in this stretch.
+fn gives(state: &State, body: u32, stretch: &Stretch) -> bool {
+    stretch.from == 0.0 && is_driven(state, body) && state.bodies.yielding[body as usize].level > 0
+}
+
+/// Impacts, then forces.
+fn attempt(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut Purse) -> u32 {
+    ready(state, stretch);
+    for index in 0..rows {
+        let body = state.rows.rows[index].body_b;
+        if gives(state, body, stretch) {
+            let mass = state.bodies.yielding[body as usize].mass_kg;
+            state.rows.movers[body as usize].inverse_mass = 1.0 / mass;
+        } else if !is_loose_kind(state.bodies.kind[body as usize])
+            || !is_free(state, body as usize, stretch.from)
+        {
+            state.rows.movers[body as usize] = Mover::default();
+        }
+    }
+    gather::place(state, rows, stretch);
+    let mut impulses = strike(state, rows, stretch, purse);
+    copy_begun(state, stretch);
+    impulses += push(state, rows, stretch, purse);
+    impulses
+}
+
+fn copy_begun(state: &mut State, stretch: &Stretch) {
+    let mut next = Some(stretch.island as usize);
+    while let Some(body) = next {
+        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
+        state.rows.begun[body] = state.rows.movers[body];
+    }
+}
+
+/// The impacts of an event.
+fn strike(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut Purse) -> u32 {
+    for index in 0..rows {
+        let mut row = state.rows.rows[index];
+        row.impulse = Vec3::ZERO;
+        row.least = 0.0;
+        row.bounce = f32::INFINITY;
+        if gives(state, row.body_b, stretch) {
+            row.prescribed = -state.bodies.yielding[row.body_b as usize].velocity;
+        }
+        state.rows.rows[index] = row;
+    }
+    let mut posed = problem(state, rows, stretch);
+    posed.prepare();
+    for index in 0..rows {
+        aim_strike(state, rows, index, stretch);
+    }
+    let mut posed = problem(state, rows, stretch);
+    let applied = posed.strike(purse.left());
+    purse.spend(applied);
+    for row in &mut state.rows.rows[..rows] {
+        row.struck = row.impulse;
+    }
+    applied
+}
+
+/// Whether a row is the only one of its movable bodies.
+fn is_lone(rows: &[Row], first: &[u32], movers: &[Mover], index: usize) -> bool {
+    let row = &rows[index];
+    let mine = |body: u32, next: u32| first[body as usize] == index as u32 + 1 && next == 0;
+    mine(row.body_a, row.next_a)
+        && (!movers[row.body_b as usize].is_movable() || mine(row.body_b, row.next_b))
+}
+
+/// What an impact brings a row to.
+///
+/// A closed contact bounces when it is fast, and stops when it is slow. An open one closes to the rest gap
+/// within the stretch at the most when it is slow, and is left alone until it meets when it is fast.
+fn aim_strike(state: &mut State, rows: usize, index: usize, stretch: &Stretch) {
+    let row = state.rows.rows[index];
+    let lone = is_lone(
+        &state.rows.rows[..rows],
+        state.rows.first,
+        state.rows.movers,
+        index,
+    );
+    let velocity = problem(state, rows, stretch).relative_velocity(&row);
+    touch::note_approach(state, &row, velocity);
+    let least = bounce_least(state, lone, stretch);
+    let giving = gives(state, row.body_b, stretch);
+    let fast = -velocity.dot(row.normal) > least;
+    let spare = row.gap - LOOSE_REST_M;
+    let row = &mut state.rows.rows[index];
+    if gather::is_closed(row) {
+        row.target = math::max(restoring(row.gap, lone, stretch), 0.0);
+        row.bounce = if giving { f32::INFINITY } else { least };
+    } else if fast {
+        row.target = f32::NEG_INFINITY;
+    } else {
+        row.target = -spare / stretch.seconds();
+    }
+}
+
+/// Twice what gravity adds in a frame: slower impacts are a matter of one frame's fall. A lone contact is
+/// followed through its bounces.
+fn bounce_least(state: &State, lone: bool, stretch: &Stretch) -> f32 {
+    let fall = 2.0 * math::length(state.registers.gravity) * stretch.dt_s;
+    if lone {
+        math::min(math::max(fall, BOUNCE_MIN), LONE_BOUNCE_MIN)
+    } else {
+        math::max(fall, BOUNCE_MIN)
+    }
+}
+
+/// The forces of a stretch: gravity, the host's, and those of the contacts.
+fn push(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut Purse) -> u32 {
+    let seconds = stretch.seconds();
+    note_even(state, rows, stretch);
+    for index in 0..rows {
+        aim_push(state, rows, index, stretch);
+    }
+    load(state, stretch);
+    gather::press(state, rows, seconds);
+    for row in &mut state.rows.rows[..rows] {
+        row.impulse = Vec3::ZERO;
+        row.pushes = 0;
+    }
+    let mut posed = problem(state, rows, stretch);
+    let rested = rest::run(&mut posed);
+    warm_start(state, rows, stretch);
+    let mut posed = problem(state, rows, stretch);
+    let mut applied = posed.spread(purse.left());
+    for row in posed.rows.iter_mut() {
+        row.pushes = 0;
+    }
+    posed.order = Order::Conjugate;
+    applied += posed.settle(purse.left() - applied);
+    purse.spend(applied);
+    level_out(state, stretch);
+    rested + applied
+}
+
+/// Starts with the forces of the stretch before. Rows that do so count as pushed.
+fn warm_start(state: &mut State, rows: usize, stretch: &Stretch) {
+    let seconds = stretch.seconds();
+    for index in 0..rows {
+        let row = state.rows.rows[index];
+        let rested = row.impulse != Vec3::ZERO;
+        let impulse = if rested || row.target == f32::NEG_INFINITY {
+            row.impulse
+        } else {
+            touch::remembered(state, &row, seconds)
+        };
+        let row = &mut state.rows.rows[index];
+        row.impulse = impulse;
+        row.pushes = u32::from(impulse != Vec3::ZERO);
+        row.rests = u32::from(rested);
+    }
+    even_grips(state, rows, stretch);
+    for index in 0..rows {
+        let row = state.rows.rows[index];
+        if row.pushes == 1 && row.rests == 0 {
+            state.rows.movers[row.body_a as usize].push(row.arm_a, row.impulse);
+            state.rows.movers[row.body_b as usize].push(row.arm_b, -row.impulse);
+        }
+    }
+}
+
+/// Spreads what presses a held object over each manifold a little more evenly than the frame before. Which
+/// corner carries is up to chance else, and an object held at one corner swings about it.
+fn even_grips(state: &mut State, rows: usize, stretch: &Stretch) {
+    let mut first = 0;
+    while first < rows {
+        let row = state.rows.rows[first];
+        let mut end = first + 1;
+        while end < rows && state.rows.rows[end].manifold == row.manifold {
+            end += 1;
+        }
+        if gives(state, row.body_b, stretch) && end - first > 1 {
+            let mut mean = Vec3::ZERO;
+            for row in &state.rows.rows[first..end] {
+                mean += row.impulse;
+            }
+            mean /= (end - first) as f32;
+            for row in &mut state.rows.rows[first..end] {
+                row.impulse += (mean - row.impulse) * GRIP_EVENED;
+                row.pushes = u32::from(row.impulse != Vec3::ZERO);
+            }
+        }
+        first = end;
+    }
+}
+
+/// Notes which bodies move at even speed through the stretch: those that touch others that move, where
+/// that takes the last bit of motion out of a stack, and those of an island where driven bodies give way,
+/// where both sides are to go the same way. All others fall and slide exactly.
+fn note_even(state: &mut State, rows: usize, stretch: &Stretch) {
+    let all =
+        Members::of(state, stretch.island as usize).any(|body| gives(state, body as u32, stretch));
+    let mut next = Some(stretch.island as usize);
+    while let Some(body) = next {
+        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
+        state.rows.even[body] = u32::from(all);
+    }
+    for row in &state.rows.rows[..rows] {
+        if state.rows.movers[row.body_b as usize].is_movable() && gather::is_closed(row) {
+            state.rows.even[row.body_a as usize] = 1;
+            state.rows.even[row.body_b as usize] = 1;
+        }
+    }
+}
+
+/// Has those bodies start the stretch as they end it.
+fn level_out(state: &mut State, stretch: &Stretch) {
+    let mut next = Some(stretch.island as usize);
+    while let Some(body) = next {
+        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
+        if state.rows.even[body] == 1 {
+            state.rows.begun[body] = state.rows.movers[body];
+        }
+    }
+}
+
+/// What the forces of a stretch bring a row to.
+///
+/// Speed changes evenly, so the gap closes by the mean of the speeds at both ends; it is to close to the
+/// rest gap at the most.
+fn aim_push(state: &mut State, rows: usize, index: usize, stretch: &Stretch) {
+    let mut row = state.rows.rows[index];
+    let lone = is_lone(
+        &state.rows.rows[..rows],
+        state.rows.first,
+        state.rows.movers,
+        index,
+    );
+    let velocity = problem(state, rows, stretch).relative_velocity(&row);
+    let begun = velocity.dot(row.normal);
+    let least = bounce_least(state, lone, stretch);
+    let closed = gather::is_closed(&row);
+    let bounced = lone && begun > 0.25 * least;
+    let meets_later = !closed && -begun > least;
+    if gives(state, row.body_b, stretch) {
+        let body = row.body_b as usize;
+        row.prescribed = -planned_at(state, &row, stretch);
+        state.rows.movers[body].velocity = Vec3::ZERO;
+    } else if is_driven(state, row.body_b) && state.bodies.yielding[row.body_b as usize].level > 0 {
+        let kept = touch::remembered(state, &row, stretch.seconds());
+        row.least = math::max(kept.dot(row.normal), 0.0);
+    }
+    row.target = if bounced || meets_later {
+        f32::NEG_INFINITY
+    } else {
+        let even = state.rows.even[row.body_a as usize] == 1;
+        push_target(&row, begun, lone, even, stretch)
+    };
+    state.rows.rows[index] = row;
+}
+
+/// The velocity at a contact that a giving body's way prescribes, which the impacts of the event did not
+/// see.
+fn planned_at(state: &State, row: &Row, stretch: &Stretch) -> Vec3 {
+    let body = row.body_b as usize;
+    if state.islands.gives[body].holds == 1 || state.legs.count[body] == 0 {
+        return planned(state, body, stretch);
+    }
+    let piece = state.islands.pairs[row.pair as usize].b as usize;
+    prescribed(state, piece, row.point, false, stretch)
+}
+
+/// The mean velocity of a driven body's root on its way through the frame; of one that has no way, because
+/// it was found settled, where its coupling wants it.
+fn planned(state: &State, body: usize, stretch: &Stretch) -> Vec3 {
+    if state.legs.count[body] > 0 {
+        return root_velocity(state, body, stretch);
+    }
+    let (wanted, here) = (state.legs.wanted[body], state.bodies.pose[body]);
+    (wanted.translation() - here.translation()) / stretch.dt_s
+}
+
+fn push_target(row: &Row, begun: f32, lone: bool, even: bool, stretch: &Stretch) -> f32 {
+    let seconds = stretch.seconds();
+    let spare = if gather::is_closed(row) {
+        0.0
+    } else {
+        row.gap - LOOSE_REST_M
+    };
+    let target = if even {
+        -spare / seconds
+    } else {
+        math::min(-2.0 * spare / seconds - begun, 0.0)
+    };
+    math::max(target, restoring(row.gap, lone, stretch))
+}
+
+/// The speed that gives a contact back some of its rest gap. It feeds energy in, so it waits until the gap
+/// is nearly gone, and stays below what a lone contact would take for a bounce.
+fn restoring(gap: f32, lone: bool, stretch: &Stretch) -> f32 {
+    if gap > 2.0 * GAP_FLOOR_M {
+        return f32::NEG_INFINITY;
+    }
+    let most = if lone && gap > 0.0 {
+        0.2 * LONE_BOUNCE_MIN
+    } else {
+        RESTORING_SPEED_MAX
+    };
+    math::min((LOOSE_REST_M - gap) * GAP_RESTORED / stretch.dt_s, most)
+}
+
+/// Gravity and the host's forces over a stretch.
+fn load(state: &mut State, stretch: &Stretch) {
+    let seconds = stretch.seconds();
+    let fall = state.registers.gravity * seconds;
+    let mut next = Some(stretch.island as usize);
+    while let Some(body) = next {
+        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
+        if is_free(state, body, stretch.from) {
+            let load = state.bodies.load[body];
+            let mover = &mut state.rows.movers[body];
+            mover.velocity += fall + load.force * (mover.inverse_mass * seconds);
+            if load.torque != Vec3::ZERO {
+                mover.spin += mover.inverse_inertia * (load.torque * seconds);
+            }
+        }
+    }
+}
+
+/// Whether a contact would close by more than a driven body's gap can take.
+fn is_wedged(state: &mut State, rows: usize, stretch: &Stretch) -> bool {
+    let driven = Members::of(state, stretch.island as usize).any(|b| is_driven(state, b as u32));
+    let closing = WEDGED_M / stretch.seconds();
+    driven && problem(state, rows, stretch).worst_approach(gather::is_closed) > closing
+}
+
+/// Has the driven bodies that push give way further; false when none can.
+fn raise(state: &mut State, rows: usize) -> bool {
+    let mut raised = false;
+    let lowest = lowest_level(state, rows);
+    for index in 0..rows {
+        let row = state.rows.rows[index];
+        let body = row.body_b as usize;
+        if is_driven(state, row.body_b)
+            && row.impulse != Vec3::ZERO
+            && state.bodies.yielding[body].level == lowest
+            && lowest < 2
+        {
+            state.bodies.yielding[body].level = lowest + 1;
+            state.islands.gives[body].holds = u32::from(lowest + 1 == 2);
+            raised = true;
+        }
+    }
+    raised
+}
+
+/// Stops the driven bodies that push, in the middle of a frame; false when all are.
+fn stop(state: &mut State, rows: usize, stretch: &Stretch) -> bool {
+    let mut stopped = false;
+    for index in 0..rows {
+        let row = state.rows.rows[index];
+        let body = row.body_b as usize;
+        if is_driven(state, row.body_b)
+            && row.impulse + row.struck != Vec3::ZERO
+            && state.legs.stop_time[body] > stretch.from
+        {
+            state.legs.stop_time[body] = stretch.from;
+            stopped = true;
+        }
+    }
+    stopped
+}
+
+fn lowest_level(state: &State, rows: usize) -> u32 {
+    let mut lowest = 2;
+    for row in &state.rows.rows[..rows] {
+        if is_driven(state, row.body_b) && row.impulse != Vec3::ZERO {
+            lowest = lowest.min(state.bodies.yielding[row.body_b as usize].level);
+        }
+    }
+    lowest
+}
+
+/// Makes rigid clusters of what would still run into each other.
+fn merge(state: &mut State, rows: usize, stretch: &Stretch) -> u32 {
+    let seconds = stretch.seconds();
+    let allowed = |row: &Row| {
+        let spare = math::min(row.gap, LOOSE_REST_M) - 1.5 * GAP_FLOOR_M;
+        math::max(spare, 0.0) / seconds - math::min(row.target, 0.0)
+    };
+    let tolerance = math::max(RESIDUAL_PART * stretch.dt_s, 1e-6);
+    let mut posed = Problem {
+        movers: &mut *state.rows.movers,
+        rows: &mut state.rows.rows[..rows],
+        first: &mut *state.rows.first,
+        queue: &mut *state.rows.queue,
+        order: Order::MostNegative,
+        tolerance,
+    };
+    cluster::run(
+        &mut posed,
+        state.islands.centre,
+        state.rows.cluster,
+        allowed,
+    )
+}
+
+/// Notes how driven bodies gave way, and who is to start the next frame so.
+fn give_way(state: &mut State, rows: usize, stretch: &Stretch) {
+    let mut next = Some(stretch.island as usize);
+    while let Some(body) = next {
+        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
+        if !gives(state, body as u32, stretch) {
+            continue;
+        }
+        let change = state.rows.movers[body].velocity;
+        state.rows.movers[body] = Mover::default();
+        state.rows.begun[body] = Mover::default();
+        let holds = state.islands.gives[body].holds;
+        let planned = planned(state, body, stretch);
+        let moves = math::length(change) * stretch.dt_s > 0.5 * STEP_MIN_M;
+        state.islands.gives[body] = GiveWay {
+            replans: u32::from(holds == 1 || moves || state.legs.count[body] == 0),
+            holds,
+            way: (planned + change) * stretch.dt_s,
+        };
+        let (pushed, pressed) = pressure(state, rows, body);
+        let yields = change.dot(planned) < -0.2 * planned.length_squared();
+        state.bodies.yielding[body].level = match (pushed, pressed, yields) {
+            (false, ..) => 0,
+            (true, true, _) => 2,
+            (true, false, true) => 1,
+            (true, false, false) => 0,
+        };
+    }
+}
+
+/// Whether anything pushes a driven body, and whether its held pieces press.
+fn pressure(state: &State, rows: usize, body: usize) -> (bool, bool) {
+    let (mut pushed, mut pressed) = (false, false);
+    for row in &state.rows.rows[..rows] {
+        if row.body_b as usize == body {
+            pushed |= row.impulse != Vec3::ZERO;
+            pressed |= row.least > 0.0;
+        }
+    }
+    (pushed, pressed)
+}
