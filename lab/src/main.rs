@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use palpable_lab::accuracy;
+use palpable_lab::accuracy::impulses::row::Case;
 use palpable_lab::avatar::Style;
 use palpable_lab::avatar::motions::SLAP_COUNT;
 use palpable_lab::figures::capture::{Clip, Obstacles};
@@ -109,6 +110,9 @@ enum Measured {
     },
     /// Loose bodies: analytic cases, random impacts and piles, beside rapier3d, with their times.
     Impulses {
+        /// The only case to measure.
+        #[arg(long, value_enum)]
+        case: Option<Case>,
         /// Seed of the random impacts and of the heap.
         #[arg(long, default_value_t = 1)]
         seed: u64,
@@ -164,8 +168,8 @@ fn main() -> ExitCode {
             of: Measured::Reach { cases, seed, out },
         }) => accuracy_of_reach(*cases, *seed, out),
         Some(Command::Accuracy {
-            of: Measured::Impulses { seed, out },
-        }) => accuracy_of_impulses(*seed, out),
+            of: Measured::Impulses { case, seed, out },
+        }) => accuracy_of_impulses(*case, *seed, out),
         Some(Command::Bvh {
             file,
             style,
@@ -225,8 +229,15 @@ fn accuracy_of_reach(cases: u32, seed: u64, out: &Path) -> Result<(), Box<dyn st
     Ok(())
 }
 
-fn accuracy_of_impulses(seed: u64, out: &Path) -> Result<(), Box<dyn std::error::Error>> {
-    let plan = accuracy::impulses::ImpulsePlan::full(seed);
+fn accuracy_of_impulses(
+    only: Option<Case>,
+    seed: u64,
+    out: &Path,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let plan = accuracy::impulses::ImpulsePlan {
+        only,
+        ..accuracy::impulses::ImpulsePlan::full(seed)
+    };
     let bar = progress(plan.ticks(), "cases")?;
     let found = accuracy::impulses::run(&plan, || bar.inc(1));
     bar.finish_and_clear();

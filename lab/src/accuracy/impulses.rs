@@ -40,6 +40,8 @@ pub use table::{failures, tables};
 /// What to measure.
 #[derive(Clone, Copy, Debug)]
 pub struct ImpulsePlan {
+    /// The only case to measure; none for all of them.
+    pub only: Option<Case>,
     /// Seed of the random impacts and of the heap.
     pub seed: u64,
     /// Random impacts.
@@ -58,6 +60,7 @@ impl ImpulsePlan {
     /// The plan of the promises: 10000 impacts, a million steps, a minute.
     pub fn full(seed: u64) -> Self {
         Self {
+            only: None,
             seed,
             impacts: 10_000,
             tumbling_steps: 1_000_000,
@@ -69,8 +72,18 @@ impl ImpulsePlan {
 
     /// How often `tick` is called.
     pub fn ticks(&self) -> u64 {
-        let at_rates = (Case::ALL.len() - 1) * RATES_HZ.len();
-        ((at_rates + 1) * Subject::ALL.len()) as u64
+        let at_rates = |case| match case {
+            Case::Robustness => 1,
+            _ => RATES_HZ.len(),
+        };
+        let runs: usize = self.cases().map(at_rates).sum();
+        (runs * Subject::ALL.len()) as u64
+    }
+
+    fn cases(&self) -> impl Iterator<Item = Case> {
+        let only = self.only;
+        let is_wanted = move |case: &Case| only.is_none_or(|only| only == *case);
+        Case::ALL.into_iter().filter(is_wanted)
     }
 }
 
@@ -88,7 +101,7 @@ pub struct ImpulseAccuracy {
 /// Measures all cases; `tick` is called after each case of an engine at a rate.
 pub fn run(plan: &ImpulsePlan, mut tick: impl FnMut()) -> ImpulseAccuracy {
     let mut rows = vec![];
-    for case in Case::ALL {
+    for case in plan.cases() {
         for subject in Subject::ALL {
             if case == Case::Robustness {
                 rows.extend(robust::rows(subject, plan.timed));

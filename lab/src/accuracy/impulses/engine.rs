@@ -16,8 +16,7 @@ pub enum Subject {
     Palpable,
     /// rapier3d, one step a frame with four solver iterations.
     Rapier,
-    /// rapier3d with every frame in several steps, Coulomb's friction at every contact point, and
-    /// continuous collision detection.
+    /// rapier3d with every frame in four steps and continuous collision detection.
     RapierBest,
 }
 

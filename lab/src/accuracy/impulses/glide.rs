@@ -24,6 +24,9 @@ const SETTLED_S: f64 = 0.3;
 /// What is slower than this is at rest, or rolls, in m/s.
 const STILL_M_S: f64 = 1e-2;
 
+/// How long after its slip ended the ball's speed is read, at least, in seconds.
+const ROLLED_S: f64 = 0.01;
+
 /// Samples before a stop that the line is drawn through.
 const SAMPLES: usize = 8;
 
@@ -117,7 +120,7 @@ pub fn roll_rows(setup: &Setup) -> Vec<Row> {
 pub struct Rolled {
     /// When its slip ended, in seconds.
     pub time_s: f64,
-    /// Its speed in the first frame that it rolled through, in m/s.
+    /// Its speed soon after, in m/s.
     pub speed_m_s: f64,
     /// Where it was after one second, in metres.
     pub place_m: f64,
@@ -131,12 +134,13 @@ pub fn roll(setup: &Setup) -> (Rolled, Spent) {
         let mut speeds = vec![];
         let slips = watch_both(player, &mut speeds);
         let place_m = player.state(1).position.x - from;
-        let before = last_moving(&slips);
-        let rolling = slips.iter().position(|slip| slip.1 <= STILL_M_S);
-        // The frame in which slip ends is still partly slid through.
-        let speed = rolling.and_then(|at| speeds.get(at + 1));
+        let time_s = zero(last_moving(&slips));
+        // Two frames on, as the one in which slip ends is still partly slid through.
+        let rolls_s = time_s + ROLLED_S.max(2.0 / setup.rate_hz);
+        let rolling = slips.iter().position(|slip| slip.0 >= rolls_s);
+        let speed = rolling.and_then(|at| speeds.get(at));
         Rolled {
-            time_s: zero(before),
+            time_s,
             speed_m_s: speed.copied().unwrap_or(f64::NAN),
             place_m,
         }

@@ -5,8 +5,7 @@
 
 use glam::{DQuat, DVec3};
 use rapier3d::prelude::{
-    ColliderBuilder, FrictionModel, PhysicsWorld, Pose, RigidBodyBuilder, RigidBodyHandle,
-    Rotation, Vector,
+    ColliderBuilder, PhysicsWorld, Pose, RigidBodyBuilder, RigidBodyHandle, Rotation, Vector,
 };
 
 use super::engine::Engine;
@@ -17,7 +16,9 @@ use super::scene::{Body, BodyState, Form, Scene};
 pub enum Tuning {
     /// As it comes: one step a frame, four solver iterations.
     Usual,
-    /// As exact as it gets for about ten times the time.
+    /// Every frame in four steps, continuous collision detection, and contacts found anew in each step.
+    /// Its friction stays the usual one: with that of every contact point, `FrictionModel::Coulomb`, the
+    /// sliding block stops 6.8 % late at any rate. More solver iterations gained nothing at 1000 Hz.
     Best,
 }
 
@@ -68,11 +69,9 @@ pub fn tune(world: &mut PhysicsWorld, tuning: Tuning) -> u32 {
         return 1;
     }
     let parameters = &mut world.integration_parameters;
-    parameters.friction_model = FrictionModel::Coulomb;
-    parameters.num_solver_iterations = 8;
-    parameters.num_internal_pgs_iterations = 2;
     parameters.max_ccd_substeps = CCD_STEPS_BEST;
     parameters.contact_recycling = false;
+    parameters.warmstart_joints = true;
     STEPS_BEST
 }
 
@@ -88,6 +87,7 @@ fn add(world: &mut PhysicsWorld, scene: &Scene, body: &Body, tuning: Tuning) -> 
         .angvel(single(body.spin))
         .gyroscopic_forces_enabled(true)
         .allow_fast_rotation(true)
+        .can_sleep(scene.may_sleep)
         .ccd_enabled(tuning == Tuning::Best);
     let collider = match body.form {
         Form::Ball(radius) => ColliderBuilder::ball(radius as f32),

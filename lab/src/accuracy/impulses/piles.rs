@@ -143,7 +143,10 @@ fn heap_scene(seed: u64) -> Scene {
         body.rotation = DQuat::from_scaled_axis(3.0 * turn);
         bodies.push(body);
     }
-    Scene::new(0.3, 0.5, bodies)
+    Scene {
+        may_sleep: true,
+        ..Scene::new(0.3, 0.5, bodies)
+    }
 }
 
 fn judge(scene: &Scene) -> Judge {
@@ -194,7 +197,10 @@ pub fn stack_creep_m(setup: &Setup, seconds: f64) -> (f64, Spent) {
         Body::loose(Form::Box([0.1; 3]), 700.0, y * DVec3::Y)
     };
     let bodies = [Body::floor()].into_iter().chain((0..STACK).map(at));
-    let scene = Scene::new(0.3, 0.5, bodies.collect());
+    let scene = Scene {
+        may_sleep: true,
+        ..Scene::new(0.3, 0.5, bodies.collect())
+    };
     play(setup, &scene, |player| {
         let mut creep = 0.0_f64;
         for _ in 0..setup.frames(seconds) {

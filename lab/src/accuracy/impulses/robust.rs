@@ -84,8 +84,9 @@ fn rod(angle_rad: f64, velocity: DVec3, spin: DVec3) -> Scene {
     Scene::new(0.2, 2.0, vec![Body::floor(), rod])
 }
 
-/// What is allowed of a rise: gaps that the kernel restores lift bodies by at most two rest gaps.
-fn restored_j(scene: &Scene) -> f64 {
+/// What a rise may be, in J: gaps that the kernel restores lift bodies by at most two rest gaps.
+pub fn restored_j(hard: Hard) -> f64 {
+    let scene = hard.scene();
     let weight: f64 = scene.bodies.iter().map(Body::mass_kg).sum::<f64>() * GRAVITY;
     2.0 * f64::from(LOOSE_REST_M) * weight
 }
@@ -108,9 +109,7 @@ fn both(setup: &Setup, hard: Hard) -> [Row; 2] {
     let name = format!("{}: rise over start", hard.name());
     let share = Quantity::reported(Case::Robustness, name, "");
     [
-        joules
-            .within(restored_j(&hard.scene()))
-            .row(setup, rise_j, &spent),
+        joules.within(restored_j(hard)).row(setup, rise_j, &spent),
         share.row(setup, rise_j / start_j, &spent),
     ]
 }

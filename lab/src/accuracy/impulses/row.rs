@@ -1,11 +1,12 @@
 //! One result: what was measured, what is exact, and what it cost.
 
+use clap::ValueEnum;
 use serde::Serialize;
 
 use super::engine::{Setup, Spent, Subject};
 
-/// A family of cases; one panel of the figure each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+/// A family of cases.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum Case {
     /// A ball dropped from a metre.

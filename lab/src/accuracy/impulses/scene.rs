@@ -126,6 +126,9 @@ pub struct Scene {
     pub friction: f64,
     /// Acceleration of free fall in m/s2.
     pub gravity: DVec3,
+    /// Whether engines that can be told may put bodies to sleep: what creeps slowly is not to be stopped by
+    /// it where creeping is measured.
+    pub may_sleep: bool,
 }
 
 /// Acceleration of free fall of the cases, in m/s2.
@@ -139,6 +142,7 @@ impl Scene {
             restitution,
             friction,
             gravity: DVec3::new(0.0, -GRAVITY, 0.0),
+            may_sleep: false,
         }
     }
 }

@@ -21,7 +21,9 @@ pub fn tables(found: &ImpulseAccuracy) -> String {
             .iter()
             .filter(|row| row.quantity.case == case)
             .collect();
-        parts.push(format!("{}\n{}", case.name(), of_case(&rows)));
+        if !rows.is_empty() {
+            parts.push(format!("{}\n{}", case.name(), of_case(&rows)));
+        }
     }
     parts.join("\n\n")
 }

@@ -34,8 +34,10 @@ pub const FLIP_BOUND: f64 = 1e-2;
 /// The plate.
 pub fn plate() -> Body {
     let square = |moment: f64| 3.0 * moment / MASS_KG - THIN_M * THIN_M;
-    let half = [square(2.0).sqrt(), square(1.0).sqrt(), THIN_M];
-    let density = MASS_KG / (8.0 * half[0] * half[1] * half[2]);
+    // Rounded as the engines take them, so that the reference has the moments that they have.
+    let rounded = |value: f64| f64::from(value as f32);
+    let half = [square(2.0).sqrt(), square(1.0).sqrt(), THIN_M].map(rounded);
+    let density = rounded(MASS_KG / (8.0 * half[0] * half[1] * half[2]));
     Body {
         spin: SPIN,
         ..Body::loose(Form::Box(half), density, DVec3::ZERO)
