@@ -240,7 +240,7 @@ fn an_elastic_rod_gains_no_energy() {
 #[test]
 fn a_heap_comes_to_rest() {
     for rate_hz in [60.0, 90.0] {
-        let (found, _) = heap(&kernel(rate_hz), SEED, 20.0);
+        let (found, _) = heap(&kernel(rate_hz), SEED, 6.0);
         assert!(found.rest_s.is_some(), "{rate_hz} Hz");
     }
 }
@@ -248,7 +248,7 @@ fn a_heap_comes_to_rest() {
 #[test]
 fn a_heap_does_not_overlap() {
     for rate_hz in [60.0, 90.0] {
-        let (found, _) = heap(&kernel(rate_hz), SEED, 5.0);
+        let (found, _) = heap(&kernel(rate_hz), SEED, 3.0);
         let overlap_m = found.overlap_m;
         assert!(overlap_m <= OVERLAP_BOUND_M, "{rate_hz} Hz: {overlap_m} m");
     }
@@ -269,6 +269,7 @@ fn a_run_is_told_in_tables_and_a_figure() {
         tumbling_steps: 100,
         heap_s: 0.05,
         stack_s: 0.05,
+        timed: false,
         ..ImpulsePlan::full(SEED)
     };
     let mut ticks = 0;

@@ -64,7 +64,7 @@ impl ImpulsePlan {
             seed,
             impacts: 10_000,
             tumbling_steps: 1_000_000,
-            heap_s: 20.0,
+            heap_s: 6.0,
             stack_s: 60.0,
             timed: true,
         }
