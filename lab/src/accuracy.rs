@@ -5,6 +5,7 @@
 
 mod figure;
 pub mod generate;
+pub mod impulses;
 pub mod local_walk;
 pub mod measure;
 pub mod methods;

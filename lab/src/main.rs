@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use palpable_lab::accuracy;
+use palpable_lab::accuracy::impulses::row::Case;
 use palpable_lab::avatar::Style;
 use palpable_lab::avatar::motions::SLAP_COUNT;
 use palpable_lab::figures::capture::{Clip, Obstacles};
@@ -107,6 +108,18 @@ enum Measured {
         #[arg(long, default_value = "out")]
         out: PathBuf,
     },
+    /// Loose bodies: analytic cases, random impacts and piles, beside rapier3d, with their times.
+    Impulses {
+        /// The only case to measure.
+        #[arg(long, value_enum)]
+        case: Option<Case>,
+        /// Seed of the random impacts and of the heap.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Where accuracy-impulses.json and the figure go.
+        #[arg(long, default_value = "out")]
+        out: PathBuf,
+    },
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -154,6 +167,9 @@ fn main() -> ExitCode {
         Some(Command::Accuracy {
             of: Measured::Reach { cases, seed, out },
         }) => accuracy_of_reach(*cases, *seed, out),
+        Some(Command::Accuracy {
+            of: Measured::Impulses { case, seed, out },
+        }) => accuracy_of_impulses(*case, *seed, out),
         Some(Command::Bvh {
             file,
             style,
@@ -210,6 +226,25 @@ fn accuracy_of_reach(cases: u32, seed: u64, out: &Path) -> Result<(), Box<dyn st
     accuracy::reach::write(&found, out)?;
     println!("wrote {}", out.join("accuracy-reach-steps.svg").display());
     println!("wrote {}", out.join("accuracy-reach-time.svg").display());
+    Ok(())
+}
+
+fn accuracy_of_impulses(
+    only: Option<Case>,
+    seed: u64,
+    out: &Path,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let plan = accuracy::impulses::ImpulsePlan {
+        only,
+        ..accuracy::impulses::ImpulsePlan::full(seed)
+    };
+    let bar = progress(plan.ticks(), "cases")?;
+    let found = accuracy::impulses::run(&plan, || bar.inc(1));
+    bar.finish_and_clear();
+    println!("{}", accuracy::impulses::tables(&found));
+    println!("\n{}", accuracy::impulses::failures(&found));
+    accuracy::impulses::write(&found, out)?;
+    println!("wrote {}", out.join("accuracy-impulses.svg").display());
     Ok(())
 }
 
