@@ -114,6 +114,9 @@ pub const LOOSE_ACCURACY: f32 = 0.05;
 /// lies between the rest gap and the floor: shorter steps cost queries and gain nothing that is seen.
 pub const LOOSE_STEP_MIN_M: f32 = 0.05 * OVERLAP_SLOP_M;
 
+/// A pair of loose bodies that comes no nearer than this in a stretch is not looked at, in metres.
+pub const LOOSE_STILL_M: f32 = 0.005 * OVERLAP_SLOP_M;
+
 /// Pairs of loose bodies closer than this get a velocity constraint, in metres.
 pub const LOOSE_MARGIN_M: f32 = 20.0 * OVERLAP_SLOP_M;
 
@@ -135,9 +138,13 @@ pub const RESIDUAL_PART: f32 = 5e-4;
 /// Least speed at which an impact bounces, in m/s.
 pub const BOUNCE_MIN: f32 = 1e-3;
 
-/// Least speed at which the only contact of a body bounces, in m/s. Each of its bounces is an event of its
-/// own, down to flights of 3 ms; what is left of the series then is 28 ms at a restitution of 0.9.
-pub const LONE_BOUNCE_MIN: f32 = 0.015;
+/// Least speed at which the only contact of a body bounces, in m/s: what is left of the series of bounces
+/// then lasts 11 ms at a restitution of 0.9.
+pub const LONE_BOUNCE_MIN: f32 = 0.006;
+
+/// The same as a share of what gravity adds in a frame: each bounce is an event of its own, and there is room
+/// for so many in a frame.
+pub const LONE_BOUNCE_PART: f32 = 0.06;
 
 /// A driven body gives way when impulses leave a contact that would close by more than this within the
 /// frame, in metres.
@@ -155,10 +162,10 @@ pub const STILL_SPEED: f32 = 0.01;
 /// A loose body that has been still for this long sleeps, in seconds.
 pub const SLEEP_S: f32 = 0.5;
 
-/// Share of a loose contact's missing gap that is restored each frame.
+/// Share of a loose contact's overlap that is taken away each frame.
 pub const GAP_RESTORED: f32 = 0.2;
 
-/// Most speed that restoring a gap may add, in m/s: overlap that the host made goes away gently.
+/// Most speed that taking overlap away may add, in m/s: overlap that the host made goes away gently.
 pub const RESTORING_SPEED_MAX: f32 = 0.05;
 
 const _: () = assert!(GAP_REST_M < LOOSE_REST_M && LOOSE_REST_M < LOOSE_MARGIN_M);

@@ -44,6 +44,13 @@ pub fn atan2(y: f32, x: f32) -> f32 {
     libm::atan2f(y, x)
 }
 
+/// Sine and cosine of an angle in radians, in double precision.
+#[inline]
+#[must_use]
+pub fn sin_cos_f64(x: f64) -> (f64, f64) {
+    (libm::sin(x), libm::cos(x))
+}
+
 /// The exponential function.
 #[inline]
 #[must_use]

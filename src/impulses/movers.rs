@@ -9,7 +9,6 @@ use crate::limits::{SPEED_MAX, SPIN_MAX, WORLD_REACH_M};
 use crate::math::{self, Pose};
 use crate::state::State;
 use crate::state::bodies::{BodyKind, is_loose_kind};
-use crate::state::islands::Members;
 use crate::state::pieces::PiecesOf;
 use crate::state::rows::Mover;
 use crate::state::ways::{BodyTrack, driven_at, piece_motion};
@@ -287,9 +286,4 @@ pub(super) fn reach_m(state: &State, body: usize) -> f32 {
         reach = math::max(reach, arm + state.pieces.shape[piece].reach);
     }
     reach
-}
-
-/// Whether any driven body is in an island.
-pub(super) fn has_driven(state: &State, island: usize) -> bool {
-    Members::of(state, island).any(|body| state.bodies.kind[body] == BodyKind::Driven.code())
 }

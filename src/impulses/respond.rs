@@ -13,15 +13,15 @@ use super::solver::{Order, Problem};
 use super::sweep::{prescribed, root_velocity};
 use super::{Stretch, cluster, gather, rest, touch};
 use crate::limits::{
-    BOUNCE_MIN, GAP_FLOOR_M, GAP_RESTORED, GRIP_EVENED, LONE_BOUNCE_MIN, LOOSE_REST_M,
-    RESIDUAL_PART, RESTORING_SPEED_MAX, STEP_MIN_M, WEDGED_M,
+    BOUNCE_MIN, GAP_FLOOR_M, GAP_RESTORED, GRIP_EVENED, LONE_BOUNCE_MIN, LONE_BOUNCE_PART,
+    LOOSE_REST_M, RESIDUAL_PART, RESTORING_SPEED_MAX, STEP_MIN_M, WEDGED_M,
 };
 use crate::math;
-use crate::state::State;
 use crate::state::bodies::{BodyKind, Coupling, is_loose_kind};
 use crate::state::islands::{GiveWay, Members};
 use crate::state::purse::Purse;
 use crate::state::rows::{Mover, Row};
+use crate::state::{Registers, State};
 
 /// Gives the bodies of an island their motion at the start and the end of a stretch; how many impulses
 /// that took. In the first event of a frame, driven bodies may give way.
@@ -30,20 +30,14 @@ pub(super) fn run(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut
     if first {
         begin_giving(state, stretch);
     }
-    let mut impulses = attempt(state, rows, stretch, purse);
-    for _ in 0..2 {
-        let better = is_wedged(state, rows, stretch)
-            && if first {
-                raise(state, rows)
-            } else {
-                stop(state, rows, stretch)
-            };
-        if !better {
+    let mut impulses = 0;
+    for last in [false, false, true] {
+        let answer = attempt(state, rows, last, stretch, purse);
+        impulses += answer.impulses;
+        if !answer.wedged {
             break;
         }
-        impulses += attempt(state, rows, stretch, purse);
     }
-    impulses += merge(state, rows, stretch);
     touch::note_impacts(state, rows);
     if first {
         give_way(state, rows, stretch);
@@ -83,16 +77,22 @@ fn begin_giving(state: &mut State, stretch: &Stretch) {
     }
 }
 
+/// Errors of velocity that are none, in m/s.
+fn tolerance(registers: &Registers, stretch: &Stretch) -> f32 {
+    let gravity = math::max(math::length(registers.gravity), 1.0);
+    math::max(RESIDUAL_PART * gravity * stretch.dt_s, 1e-6)
+}
+
 /// The problem that the rows pose.
 fn problem<'s>(state: &'s mut State, rows: usize, stretch: &Stretch) -> Problem<'s> {
-    let gravity = math::max(math::length(state.registers.gravity), 1.0);
+    let tolerance = tolerance(state.registers, stretch);
     Problem {
         movers: &mut *state.rows.movers,
         rows: &mut state.rows.rows[..rows],
         first: &mut *state.rows.first,
         queue: &mut *state.rows.queue,
         order: Order::MostNegative,
-        tolerance: math::max(RESIDUAL_PART * gravity * stretch.dt_s, 1e-6),
+        tolerance,
     }
 }
 
@@ -101,8 +101,21 @@ fn gives(state: &State, body: u32, stretch: &Stretch) -> bool {
     stretch.from == 0.0 && is_driven(state, body) && state.bodies.yielding[body as usize].level > 0
 }
 
-/// Impacts, then forces.
-fn attempt(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut Purse) -> u32 {
+/// What an attempt came to.
+struct Answer {
+    impulses: u32,
+    /// An object cannot get out of the way of a driven body, which gives way in the next attempt.
+    wedged: bool,
+}
+
+/// Impacts, then forces. The last attempt makes do with what it finds.
+fn attempt(
+    state: &mut State,
+    rows: usize,
+    last: bool,
+    stretch: &Stretch,
+    purse: &mut Purse,
+) -> Answer {
     ready(state, stretch);
     for index in 0..rows {
         let body = state.rows.rows[index].body_b;
@@ -117,9 +130,28 @@ fn attempt(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut Purse)
     }
     gather::place(state, rows, stretch);
     let mut impulses = strike(state, rows, stretch, purse);
-    copy_begun(state, stretch);
-    impulses += push(state, rows, stretch, purse);
-    impulses
+    let mut wedged = !last && is_wedged(state, rows, stretch) && step_back(state, rows, stretch);
+    if !wedged {
+        impulses += merge(state, rows, stretch);
+        copy_begun(state, stretch);
+        impulses += push(state, rows, stretch, purse);
+        wedged = !last && is_wedged(state, rows, stretch) && step_back(state, rows, stretch);
+    }
+    if !wedged {
+        impulses += merge(state, rows, stretch);
+        note_working(state, rows);
+        level_out(state, stretch);
+    }
+    Answer { impulses, wedged }
+}
+
+/// Has driven bodies give way, or stop in the middle of a frame; false when none can.
+fn step_back(state: &mut State, rows: usize, stretch: &Stretch) -> bool {
+    if stretch.from == 0.0 {
+        raise(state, rows)
+    } else {
+        stop(state, rows, stretch)
+    }
 }
 
 fn copy_begun(state: &mut State, stretch: &Stretch) {
@@ -184,7 +216,7 @@ fn aim_strike(state: &mut State, rows: usize, index: usize, stretch: &Stretch) {
     let spare = row.gap - LOOSE_REST_M;
     let row = &mut state.rows.rows[index];
     if gather::is_closed(row) {
-        row.target = math::max(restoring(row.gap, lone, stretch), 0.0);
+        row.target = math::max(restoring(row.gap, stretch), 0.0);
         row.bounce = if giving { f32::INFINITY } else { least };
     } else if fast {
         row.target = f32::NEG_INFINITY;
@@ -196,11 +228,11 @@ fn aim_strike(state: &mut State, rows: usize, index: usize, stretch: &Stretch) {
 /// Twice what gravity adds in a frame: slower impacts are a matter of one frame's fall. A lone contact is
 /// followed through its bounces.
 fn bounce_least(state: &State, lone: bool, stretch: &Stretch) -> f32 {
-    let fall = 2.0 * math::length(state.registers.gravity) * stretch.dt_s;
+    let fall = math::length(state.registers.gravity) * stretch.dt_s;
     if lone {
-        math::min(math::max(fall, BOUNCE_MIN), LONE_BOUNCE_MIN)
+        math::max(LONE_BOUNCE_PART * fall, LONE_BOUNCE_MIN)
     } else {
-        math::max(fall, BOUNCE_MIN)
+        math::max(2.0 * fall, BOUNCE_MIN)
     }
 }
 
@@ -228,7 +260,6 @@ fn push(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut Purse) ->
     posed.order = Order::Conjugate;
     applied += posed.settle(purse.left() - applied);
     purse.spend(applied);
-    level_out(state, stretch);
     rested + applied
 }
 
@@ -285,19 +316,40 @@ fn even_grips(state: &mut State, rows: usize, stretch: &Stretch) {
 
 /// Notes which bodies move at even speed through the stretch: those that touch others that move, where
 /// that takes the last bit of motion out of a stack, and those of an island where driven bodies give way,
-/// where both sides are to go the same way. All others fall and slide exactly.
+/// where both sides are to go the same way. Hosted ones as well, as most engines do. All others fall and slide exactly.
 fn note_even(state: &mut State, rows: usize, stretch: &Stretch) {
     let all =
         Members::of(state, stretch.island as usize).any(|body| gives(state, body as u32, stretch));
     let mut next = Some(stretch.island as usize);
     while let Some(body) = next {
         next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
-        state.rows.even[body] = u32::from(all);
+        let hosted = state.bodies.kind[body] == BodyKind::Hosted.code();
+        state.rows.even[body] = u32::from(all || hosted);
     }
     for row in &state.rows.rows[..rows] {
         if state.rows.movers[row.body_b as usize].is_movable() && gather::is_closed(row) {
             state.rows.even[row.body_a as usize] = 1;
             state.rows.even[row.body_b as usize] = 1;
+        }
+    }
+}
+
+/// Notes the bodies that contacts would do work on, by the mean of the motion at both ends: what friction
+/// stops within a stretch went the other way first. At even speed they do none.
+fn note_working(state: &mut State, rows: usize) {
+    for row in &state.rows.rows[..rows] {
+        let (a, b) = (row.body_a as usize, row.body_b as usize);
+        if row.impulse == Vec3::ZERO || state.rows.even[a] == 1 {
+            continue;
+        }
+        let ends = |body: usize, arm: Vec3| {
+            state.rows.begun[body].velocity_at(arm) + state.rows.movers[body].velocity_at(arm)
+        };
+        let way = ends(a, row.arm_a) - ends(b, row.arm_b) + 2.0 * row.prescribed;
+        let work = 0.5 * row.impulse.dot(way);
+        let scale = math::length(row.impulse) * math::length(way);
+        if row.prescribed == Vec3::ZERO && work > 1e-4 * scale {
+            state.rows.even[a] = 1;
         }
     }
 }
@@ -343,7 +395,7 @@ fn aim_push(state: &mut State, rows: usize, index: usize, stretch: &Stretch) {
         f32::NEG_INFINITY
     } else {
         let even = state.rows.even[row.body_a as usize] == 1;
-        push_target(&row, begun, lone, even, stretch)
+        push_target(&row, begun, even, stretch)
     };
     state.rows.rows[index] = row;
 }
@@ -369,7 +421,7 @@ fn planned(state: &State, body: usize, stretch: &Stretch) -> Vec3 {
     (wanted.translation() - here.translation()) / stretch.dt_s
 }
 
-fn push_target(row: &Row, begun: f32, lone: bool, even: bool, stretch: &Stretch) -> f32 {
+fn push_target(row: &Row, begun: f32, even: bool, stretch: &Stretch) -> f32 {
     let seconds = stretch.seconds();
     let spare = if gather::is_closed(row) {
         0.0
@@ -381,21 +433,15 @@ fn push_target(row: &Row, begun: f32, lone: bool, even: bool, stretch: &Stretch)
     } else {
         math::min(-2.0 * spare / seconds - begun, 0.0)
     };
-    math::max(target, restoring(row.gap, lone, stretch))
+    math::max(target, restoring(row.gap, stretch))
 }
 
-/// The speed that gives a contact back some of its rest gap. It feeds energy in, so it waits until the gap
-/// is nearly gone, and stays below what a lone contact would take for a bounce.
-fn restoring(gap: f32, lone: bool, stretch: &Stretch) -> f32 {
-    if gap > 2.0 * GAP_FLOOR_M {
+/// The speed that takes some of an overlap away, which the host made: gently, for it feeds energy in.
+fn restoring(gap: f32, stretch: &Stretch) -> f32 {
+    if gap >= 0.0 {
         return f32::NEG_INFINITY;
     }
-    let most = if lone && gap > 0.0 {
-        0.2 * LONE_BOUNCE_MIN
-    } else {
-        RESTORING_SPEED_MAX
-    };
-    math::min((LOOSE_REST_M - gap) * GAP_RESTORED / stretch.dt_s, most)
+    math::min(-gap * GAP_RESTORED / stretch.dt_s, RESTORING_SPEED_MAX)
 }
 
 /// Gravity and the host's forces over a stretch.
@@ -431,7 +477,7 @@ fn raise(state: &mut State, rows: usize) -> bool {
         let row = state.rows.rows[index];
         let body = row.body_b as usize;
         if is_driven(state, row.body_b)
-            && row.impulse != Vec3::ZERO
+            && row.impulse + row.struck != Vec3::ZERO
             && state.bodies.yielding[body].level == lowest
             && lowest < 2
         {
@@ -463,12 +509,15 @@ fn stop(state: &mut State, rows: usize, stretch: &Stretch) -> bool {
 fn lowest_level(state: &State, rows: usize) -> u32 {
     let mut lowest = 2;
     for row in &state.rows.rows[..rows] {
-        if is_driven(state, row.body_b) && row.impulse != Vec3::ZERO {
+        if is_driven(state, row.body_b) && row.impulse + row.struck != Vec3::ZERO {
             lowest = lowest.min(state.bodies.yielding[row.body_b as usize].level);
         }
     }
     lowest
 }
+
+/// Clusters are made of what approaches this much faster than what counts as no error.
+const MERGED_FROM: f32 = 4.0;
 
 /// Makes rigid clusters of what would still run into each other.
 fn merge(state: &mut State, rows: usize, stretch: &Stretch) -> u32 {
@@ -477,7 +526,7 @@ fn merge(state: &mut State, rows: usize, stretch: &Stretch) -> u32 {
         let spare = math::min(row.gap, LOOSE_REST_M) - 1.5 * GAP_FLOOR_M;
         math::max(spare, 0.0) / seconds - math::min(row.target, 0.0)
     };
-    let tolerance = math::max(RESIDUAL_PART * stretch.dt_s, 1e-6);
+    let tolerance = MERGED_FROM * tolerance(state.registers, stretch);
     let mut posed = Problem {
         movers: &mut *state.rows.movers,
         rows: &mut state.rows.rows[..rows],

@@ -406,7 +406,8 @@ impl Problem<'_> {
         if self.rows[index].pushes == 1 && end - first > 1 && self.strike_together(first, end) {
             return;
         }
-        let impulse = collision(&row, self.relative_velocity(&row));
+        let fed = row.target > 0.0;
+        let impulse = collision(&row, self.relative_velocity(&row), fed);
         self.rows[index].impulse += impulse;
         self.apply(&row, impulse);
     }
@@ -450,7 +451,8 @@ impl Problem<'_> {
         middle.target /= count;
         middle.bounce = f32::INFINITY;
         self.weigh(&mut middle);
-        let impulse = collision(&middle, self.relative_velocity(&middle));
+        let fed = self.rows[first..end].iter().any(|row| row.target > 0.0);
+        let impulse = collision(&middle, self.relative_velocity(&middle), fed);
         self.share_out(first..end, impulse / count);
         self.apply(&middle, impulse);
         true
@@ -488,8 +490,8 @@ fn wanted(row: &Row, normal_velocity: f32) -> f32 {
 /// The impulse of one collision: the one that also stops all sliding, or else the one on Coulomb's cone
 /// against the slip (the paper's equation 10 alone reverses slip and can create energy). Where restitution
 /// and friction together would raise the kinetic energy (Kane and Levinson 1985), first restitution goes,
-/// then friction.
-fn collision(row: &Row, velocity: Vec3) -> Vec3 {
+/// then friction. Unless energy is fed in to take an overlap away.
+fn collision(row: &Row, velocity: Vec3, fed: bool) -> Vec3 {
     let normal_velocity = velocity.dot(row.normal);
     let target = wanted(row, normal_velocity);
     let lacking = target - normal_velocity;
@@ -497,7 +499,6 @@ fn collision(row: &Row, velocity: Vec3) -> Vec3 {
         return Vec3::ZERO;
     }
     let whole = bounded(row, velocity, target);
-    let fed = row.target > 0.0;
     if fed || !raises_energy(row, velocity, whole) {
         return whole;
     }
@@ -548,21 +549,52 @@ fn sliding(row: &Row, velocity: Vec3, lacking: f32) -> Vec3 {
 }
 
 /// A contact's whole impulse, given its velocity without it.
+///
+/// Where the cone does not hold what would stick, friction goes on from what it was, against the slip that
+/// is left: from impulse to impulse it turns until it opposes the slip that there will be.
 fn whole_impulse(row: &Row, free: Vec3) -> Vec3 {
-    let lacking = row.target - free.dot(row.normal);
+    let n = row.normal;
+    let lacking = row.target - free.dot(n);
     if row.along <= 0.0 || (lacking <= 0.0 && row.least <= 0.0) {
         return Vec3::ZERO;
     }
     let impulse = if lacking > 0.0 {
-        bounded(row, free, row.target)
+        let sticking = row.inverse * (n * row.target - free);
+        let push = sticking.dot(n);
+        if push > 0.0 && is_in_cone(row, sticking, push) {
+            sticking
+        } else {
+            slipping(row, free, lacking)
+        }
     } else {
         Vec3::ZERO
     };
-    if impulse.dot(row.normal) >= row.least {
+    if impulse.dot(n) >= row.least {
         impulse
     } else {
         pressed(row, free)
     }
+}
+
+/// The whole impulse of a contact that slips.
+fn slipping(row: &Row, free: Vec3, lacking: f32) -> Vec3 {
+    let n = row.normal;
+    let velocity = free + row.mobility * row.impulse;
+    let slip = velocity - n * velocity.dot(n);
+    let held = row.impulse - n * row.impulse.dot(n);
+    // At least as much as the slip changes for an impulse along it.
+    let most = row.mobility.x_axis.x + row.mobility.y_axis.y + row.mobility.z_axis.z - row.along;
+    let frictionless = n * (lacking / row.along);
+    let Some(along) = math::direction(held - slip / math::max(most, 1e-20)) else {
+        return frictionless;
+    };
+    let on_cone = n + along * row.friction;
+    let gain = n.dot(row.mobility * on_cone);
+    // Painleve: friction that jams the contact instead of opening it is left out.
+    if gain <= 0.1 * row.along {
+        return frictionless;
+    }
+    on_cone * (lacking / gain)
 }
 
 /// The impulse of a contact that is pressed by its least normal impulse, with as much friction as stops
@@ -579,7 +611,7 @@ fn pressed(row: &Row, free: Vec3) -> Vec3 {
 }
 
 /// How far a contact is from its target, in either direction when it can give back, and how fast it slips
-/// though its friction could hold it.
+/// though its friction could hold it, or another way than its friction pulls.
 fn settling_error(row: &Row, velocity: Vec3, normal_velocity: f32) -> f32 {
     let push = row.impulse.dot(row.normal);
     let missing = row.target - normal_velocity;
@@ -588,14 +620,16 @@ fn settling_error(row: &Row, velocity: Vec3, normal_velocity: f32) -> f32 {
     }
     let pressed = push <= row.least * (1.0 + 1e-5);
     let error = if pressed { missing } else { missing.abs() };
-    let hold = 0.999 * row.friction * push;
+    let slip = velocity - row.normal * normal_velocity;
     let held = row.impulse - row.normal * push;
-    if held.length_squared() < hold * hold {
-        let slip = velocity - row.normal * normal_velocity;
-        math::max(error, math::length(slip))
+    let hold = 0.999 * row.friction * push;
+    let astray = if held.length_squared() < hold * hold {
+        math::length(slip)
     } else {
-        error
-    }
+        let along = math::direction(held).map_or(Vec3::ZERO, |along| along * math::length(slip));
+        math::length(slip + along)
+    };
+    math::max(error, astray)
 }
 
 fn inverse(matrix: &Mat3) -> Mat3 {

@@ -10,8 +10,8 @@ use crate::geometry::motion::Track;
 use crate::geometry::separation::core_gap_from;
 use crate::geometry::time_of_contact::MovingPair;
 use crate::limits::{
-    GAP_FLOOR_M, LOOSE_ACCURACY, LOOSE_MARGIN_M, LOOSE_STEP_MIN_M, MANIFOLD_CONTACTS_MAX,
-    PAIR_MARGIN_M,
+    GAP_FLOOR_M, LOOSE_ACCURACY, LOOSE_MARGIN_M, LOOSE_STEP_MIN_M, LOOSE_STILL_M,
+    MANIFOLD_CONTACTS_MAX, PAIR_MARGIN_M,
 };
 use crate::math::{self, Pose};
 use crate::state::State;
@@ -180,7 +180,9 @@ pub(super) fn measure(state: &mut State, index: usize, stretch: &Stretch) -> Opt
     let (shape_a, shape_b) = (&state.pieces.shape[a], &state.pieces.shape[b]);
     let apart = Bounds::of(shape_a, &pose_a).gap(&Bounds::of(shape_b, &pose_b));
     if apart > LOOSE_MARGIN_M {
-        state.islands.pairs[index].gap = apart;
+        let pair = &mut state.islands.pairs[index];
+        pair.gap = apart;
+        pair.measured = 1;
         return None;
     }
     let mut feature = pair.feature;
@@ -196,6 +198,7 @@ pub(super) fn measure(state: &mut State, index: usize, stretch: &Stretch) -> Opt
     let pair = &mut state.islands.pairs[index];
     pair.feature = feature;
     pair.gap = gap;
+    pair.measured = 1;
     pair.normal = pose_b.quat() * core.normal;
     Some(Measured {
         contacts,
@@ -237,12 +240,24 @@ fn start(state: &mut State, pairs: usize, stretch: &Stretch) {
         let pair = state.islands.pairs[index];
         let way = motion(state, pair.a as usize, stretch).way_m()
             + motion(state, pair.b as usize, stretch).way_m();
-        let slack = pair.gap - GAP_FLOOR_M;
-        state.islands.pairs[index].clear_until = if slack > 0.0 {
-            math::min(slack / math::max(way, 1e-30), 1.0)
+        let slack = pair.gap - floor_m(&pair);
+        state.islands.pairs[index].clear_until = if way < LOOSE_STILL_M {
+            1.0
+        } else if slack > 0.0 {
+            math::min(slack / way, 1.0)
         } else {
             0.0
         };
+    }
+}
+
+/// The gap that a pair's way does not undercut. One that is closer already, because the host put it there,
+/// may come a hair closer: else it could not slide.
+fn floor_m(pair: &Pair) -> f32 {
+    if pair.measured == 1 {
+        math::min(GAP_FLOOR_M, pair.gap - LOOSE_STEP_MIN_M)
+    } else {
+        GAP_FLOOR_M
     }
 }
 
@@ -251,7 +266,7 @@ fn certify(state: &mut State, index: usize, stretch: &Stretch, time: f32) -> boo
     let pair = state.islands.pairs[index];
     let moving = moving_pair(state, &pair, stretch);
     let mut feature = pair.feature;
-    let found = moving.clear_until(time, GAP_FLOOR_M, &mut feature, LOOSE_ACCURACY);
+    let found = moving.clear_until(time, floor_m(&pair), &mut feature, LOOSE_ACCURACY);
     let way = moving.motion_a.way_m() + moving.motion_b.way_m();
     let pair = &mut state.islands.pairs[index];
     pair.feature = feature;

@@ -1,7 +1,7 @@
 //! Bodies: rigid unions of pieces, and how each kind of body moves.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat3, Quat, Vec3};
+use glam::{DQuat, DVec3, Mat3, Quat, Vec3};
 
 use crate::math::Pose;
 use crate::memory::columns::columns;
@@ -113,6 +113,16 @@ impl BodyMass {
         turned * Mat3::from_diagonal(self.moments) * turned.transpose()
     }
 
+    /// The angular velocity that goes with an angular momentum, both in the world, of a body turned by
+    /// `rotation`.
+    pub(crate) fn spin(&self, rotation: DQuat, angular: DVec3) -> DVec3 {
+        let axes = rotation * Quat::from_array(self.axes).as_dquat();
+        // Of whatever length the quaternion is by rounding.
+        let square = axes.length_squared();
+        let own = axes.conjugate() * angular / square;
+        axes * (own * self.inverse_moments.as_dvec3()) / square
+    }
+
     /// The inverse inertia about the centre of mass, in the world, of a body turned by `rotation`.
     pub(crate) fn inverse_inertia(&self, rotation: Quat) -> Mat3 {
         let turned = Mat3::from_quat(rotation * Quat::from_array(self.axes));
@@ -154,8 +164,7 @@ pub struct HostedImpulse {
     pub impulse_n_s: [f32; 3],
     /// About the centre of mass, in newton metre seconds, in the world.
     pub angular_n_m_s: [f32; 3],
-    /// Mean of the contacts' points, weighted by their normal impulses; the centre of mass when there were
-    /// none. The two impulses above are all that an engine needs; this is where they came from.
+    /// Mean of the contacts' points, weighted by their normal impulses; zero when there were none. The two impulses above are all that an engine needs; this is where they came from.
     pub point: [f32; 3],
     /// Sum of the contacts' normal impulses, in newton seconds.
     pub push_n_s: f32,

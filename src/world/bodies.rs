@@ -209,6 +209,7 @@ impl World<'_> {
             angular: inertia * angular,
             ..Momentum::default()
         };
+        self.wake_one(body);
         Ok(())
     }
 
@@ -219,8 +220,9 @@ impl World<'_> {
     pub fn velocity(&self, id: BodyId) -> Result<([f32; 3], [f32; 3]), BodyError> {
         let body = self.index_of_kind(id, BodyKind::Dynamic)?;
         let bodies = &self.state.bodies;
-        let inverse = bodies.mass[body].inverse_inertia(bodies.pose[body].quat());
-        let spin = inverse * bodies.momentum[body].angular;
+        let rotation = bodies.pose[body].quat().as_dquat();
+        let angular = bodies.momentum[body].angular.as_dvec3();
+        let spin = bodies.mass[body].spin(rotation, angular).as_vec3();
         Ok((bodies.momentum[body].velocity.to_array(), spin.to_array()))
     }
 

@@ -96,10 +96,17 @@ impl World<'_> {
         Ok(())
     }
 
-    fn wake_one(&mut self, body: usize) {
+    /// Wakes a body; driven bodies that lean on sleepers look again.
+    pub(crate) fn wake_one(&mut self, body: usize) {
         let momentum = &mut self.state.bodies.momentum[body];
         momentum.asleep = 0;
         momentum.still_s = 0.0;
+        for yielding in self.state.bodies.yielding.iter_mut() {
+            yielding.leans = 0;
+        }
+        for settled in self.state.bodies.settled.iter_mut() {
+            settled.is_settled = 0;
+        }
     }
 
     /// Whether a dynamic body sleeps: it and all it leans on have been still for a while.
@@ -113,7 +120,8 @@ impl World<'_> {
 
     /// Tells where the host's own bodies are, how they move and what they weigh, before a frame. Driven
     /// bodies make room for them, push, squeeze and hold them; [`World::hosted_impulse`] is what that did to
-    /// them. A body that is not told of goes on as the kernel foresaw.
+    /// them. A body that is not told of stays where it is, or where contact with the kernel's own bodies
+    /// brought it.
     ///
     /// All that are good are taken.
     ///
@@ -152,6 +160,7 @@ impl World<'_> {
         bodies.mass[body] = mass;
         bodies.momentum[body].velocity = velocity;
         bodies.momentum[body].angular = mass.inertia(pose.quat()) * spin;
+        bodies.momentum[body].asleep = 0;
         if moved {
             place_pieces(&mut self.state, body);
         }
