@@ -76,13 +76,7 @@ impl HandDrive {
     }
 
     /// The spring is relative to the tracker's own motion: damping of the absolute velocity would lag.
-    fn pull_softly(
-        &self,
-        body: &mut rapier::RigidBody,
-        substep: u32,
-        substeps: u32,
-        step_s: f32,
-    ) {
+    fn pull_softly(&self, body: &mut rapier::RigidBody, substep: u32, substeps: u32, step_s: f32) {
         let share = substep as f32 / substeps as f32;
         let wanted = self.before.lerp(&self.target, share);
         let off = self.off(&wanted, body.position());

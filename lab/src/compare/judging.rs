@@ -110,6 +110,17 @@ fn judge_at(setting: &Setting, frame: u32) -> Result<Judge, SceneError> {
 const FIXED_GROUP: u32 = 1000;
 const LOOSE_GROUP: u32 = 2000;
 
+/// The largest of some values that are not negative; one that is not a number counts as the largest.
+pub(super) fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |most, value| {
+        if value.is_nan() || value > most {
+            value
+        } else {
+            most
+        }
+    })
+}
+
 /// The largest distance between the same point of a part at two poses, in millimetres; exactly zero for
 /// equal bits.
 fn apart_mm(points: &[[f32; 3]], one: &Pose, other: &Pose) -> f64 {
@@ -122,14 +133,12 @@ fn apart_mm(points: &[[f32; 3]], one: &Pose, other: &Pose) -> f64 {
         let moved = one.rotation * p - other.rotation * p;
         1e3 * (moved + (one.position - other.position)).length()
     };
-    points.iter().map(apart).fold(0.0, f64::max)
+    largest(points.iter().map(apart))
 }
 
 fn hand_apart_mm(model: &HandModel, one: &[Pose], other: &[Pose]) -> f64 {
     let parts = model.points.iter().zip(one.iter().zip(other));
-    parts
-        .map(|(points, (one, other))| apart_mm(points, one, other))
-        .fold(0.0, f64::max)
+    largest(parts.map(|(points, (one, other))| apart_mm(points, one, other)))
 }
 
 fn moved_mm(setting: &Setting, before: &Shot, after: &Shot) -> f64 {
@@ -141,7 +150,7 @@ fn moved_mm(setting: &Setting, before: &Shot, after: &Shot) -> f64 {
         points.extend([[radius_m, 0.0, 0.0], [0.0, radius_m, 0.0]]);
         apart_mm(&points, before, after)
     });
-    hands.chain(loose).fold(0.0, f64::max)
+    largest(hands.chain(loose))
 }
 
 fn lag_mm(setting: &Setting, shot: &Shot, frame: usize) -> f64 {
@@ -156,7 +165,7 @@ fn lag_mm(setting: &Setting, shot: &Shot, frame: usize) -> f64 {
             .collect();
         hand_apart_mm(&hand.model, &wanted, parts)
     });
-    lags.fold(0.0, f64::max)
+    largest(lags)
 }
 
 fn normalised(pose: &Pose) -> Pose {

@@ -195,7 +195,8 @@ impl Engine for Peer {
 
     fn parts(&self, hand: usize) -> Result<Vec<Pose>, SceneError> {
         let colliders = self.hands[hand].colliders.iter();
-        let pose = |&handle: &rapier::ColliderHandle| from_peer(self.world.colliders[handle].position());
+        let pose =
+            |&handle: &rapier::ColliderHandle| from_peer(self.world.colliders[handle].position());
         Ok(colliders.map(pose).collect())
     }
 

@@ -96,7 +96,10 @@ impl PeerArm {
             .world
             .insert_body(rapier::RigidBodyBuilder::fixed().pose(to_peer(&start.root)));
         for (index, (hinge, place)) in hinges.iter().zip(places.iter()).enumerate() {
-            let link = Link::Behind { chain, hinge: index };
+            let link = Link::Behind {
+                chain,
+                hinge: index,
+            };
             let pieces: Vec<_> = arm.plan.pieces.iter().filter(|p| p.link == link).collect();
             let body = peer.add_link(&place.link, &pieces)?;
             peer.add_joint(parent, body, hinge, start.angles[chain][index])?;

@@ -195,6 +195,8 @@ const PUSH_M_PER_S: f32 = 2.0;
 const PUSH_M_PER_S2: f32 = 20.0;
 const PUSH_BEFORE_M: f32 = 0.15;
 const PUSH_S: f32 = 0.7;
+/// First frame of the push that certainly has contact.
+pub const PUSH_MEETS_FRAME: u32 = 12;
 
 fn push(model: HandModel, tracker: &Perturbation) -> Setting {
     let touching = edgewise(&model, tracker);
@@ -220,8 +222,7 @@ fn trap(model: HandModel, tracker: &Perturbation) -> Setting {
     let face = -BALL_M - TRAP_GAP_M;
     let wall = block("wall", Vec3::new(0.0, 0.5, face - 0.1), [1.0, 0.5, 0.1]);
     let touching = edgewise(&model, tracker);
-    let beyond =
-        TRAP_BEYOND_M.start + tracker.share * (TRAP_BEYOND_M.end - TRAP_BEYOND_M.start);
+    let beyond = TRAP_BEYOND_M.start + tracker.share * (TRAP_BEYOND_M.end - TRAP_BEYOND_M.start);
     let wrist = |frame: u32| {
         let way = TRAP_BEFORE_M + TRAP_GAP_M + beyond;
         let ahead = way * ease(frame, 0, TRAP_FRAMES.start) - TRAP_BEFORE_M;
@@ -231,9 +232,9 @@ fn trap(model: HandModel, tracker: &Perturbation) -> Setting {
     one_hand(vec![floor(), wall], vec![ball(0.0)], model, wrist)
 }
 
-/// Length of idling in seconds, and how far the hand strolls to each side in metres.
+/// Length of idling in seconds, and how far the hand strolls in metres.
 const IDLE_S: f32 = 5.0;
-const IDLE_M: f32 = 0.15;
+const IDLE_M: f32 = 0.25;
 
 fn idle(model: HandModel, tracker: &Perturbation) -> Setting {
     let fixed = gallery::gallery().into_iter();
@@ -249,8 +250,9 @@ fn idle(model: HandModel, tracker: &Perturbation) -> Setting {
     };
     let wrist = |frame: u32| {
         let t = frame as f32 / RATE_HZ;
-        let stroll = Vec3::new((1.3 * t).sin(), 0.5 * (1.7 * t).sin(), (0.9 * t).sin());
-        let turn = Quat::from_rotation_y(0.3 * (1.1 * t).sin()) * heading(tracker);
+        let [x, y, z, turn] = [1.3, 1.7, 0.9, 1.1].map(|rate: f32| 0.5 - 0.5 * (rate * t).cos());
+        let stroll = Vec3::new(x, 0.5 * y, z);
+        let turn = Quat::from_rotation_y(0.3 * turn) * heading(tracker);
         let middle = Vec3::new(0.0, 1.2, -0.05);
         Pose::new(turn, middle + tracker.offset + IDLE_M * stroll)
     };

@@ -7,7 +7,7 @@ use palpable::math::Pose;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::judging::{Reading, reference_pose};
+use super::judging::{Reading, largest, reference_pose};
 use super::play::Shot;
 use super::scenes::block;
 use super::setting::{HandModel, RATE_HZ, Setting, Tracked};
@@ -114,8 +114,7 @@ impl Slapped {
             slapped.left_behind += u32::from(left);
             slapped.seen_behind += u32::from(seen);
         }
-        let overlaps = readings.iter().map(|reading| reading.hand_fixed_mm);
-        slapped.overlap_mm = overlaps.fold(0.0, f64::max);
+        slapped.overlap_mm = largest(readings.iter().map(|reading| reading.hand_fixed_mm));
         slapped
     }
 
