@@ -2,6 +2,7 @@
 
 use palpable::math::Pose;
 
+use super::judging::largest;
 use super::setting::Perturbation;
 use crate::avatar::motions::MOTION_HEIGHT_M;
 use crate::avatar::{AvatarPlan, Style, Trunk};
@@ -28,10 +29,10 @@ pub struct ArmFound {
 impl ArmFound {
     /// Takes a frame in.
     pub fn note(&mut self, overlap_mm: f64, beyond_deg: f64, turned_deg: f64, time_us: f64) {
-        self.overlap_mm = self.overlap_mm.max(overlap_mm);
-        self.beyond_deg = self.beyond_deg.max(beyond_deg);
+        self.overlap_mm = largest([self.overlap_mm, overlap_mm].into_iter());
+        self.beyond_deg = largest([self.beyond_deg, beyond_deg].into_iter());
         if self.times_us.len() >= STILL_FROM {
-            self.jitter_deg = self.jitter_deg.max(turned_deg);
+            self.jitter_deg = largest([self.jitter_deg, turned_deg].into_iter());
         }
         self.times_us.push(time_us);
     }

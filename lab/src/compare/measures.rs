@@ -105,10 +105,11 @@ pub fn measures(
         Scene::Squeeze | Scene::Carry => {
             let carried = scene == Scene::Carry;
             let slipped_mm = slipped_mm(setting, shots, carried);
+            // What is not a number is nowhere near its place either.
+            let dropped = slipped_mm.is_nan() || slipped_mm > DROPPED_MM;
             let still = grip::still_frames(carried);
             vec![
-                // Not a number is nowhere near its place either.
-                (DROPPED, f64::from(!(slipped_mm <= DROPPED_MM))),
+                (DROPPED, f64::from(dropped)),
                 (SLIPPED, slipped_mm),
                 (HELD, most(all, |r| r.hand_loose_mm)),
                 (JITTER, most(still, |r| r.moved_mm)),

@@ -10,7 +10,7 @@ use rapier3d::prelude as rapier;
 
 use super::arm::{Arm, ArmFound};
 use super::drive::{Drive, HandDrive};
-use super::judging::reference_pose;
+use super::judging::{largest, reference_pose};
 use super::peer::{SUBSTEPS, from_peer, hull, to_peer, tuned_world};
 use super::setting::Perturbation;
 use crate::avatar::{Link, PiecePlan};
@@ -62,8 +62,8 @@ pub fn play(arm: &Arm, tracker: Perturbation) -> Result<ArmFound, SceneError> {
         let time_us = begun.elapsed().as_secs_f64() * 1e6;
         let angles = peer.angles();
         let changes = before.iter().zip(&angles).map(|(a, b)| (a - b).abs());
-        let turned_deg = f64::from(changes.fold(0.0, f32::max)).to_degrees();
-        let beyond_deg = f64::from(peer.beyond_rad(&angles)).to_degrees();
+        let turned_deg = largest(changes.map(f64::from)).to_degrees();
+        let beyond_deg = peer.beyond_rad(&angles).to_degrees();
         found.note(peer.overlap_mm(&wall), beyond_deg, turned_deg, time_us);
         before = angles;
     }
@@ -214,10 +214,17 @@ impl PeerArm {
         angles.map(|angle| angle.unwrap_or(f32::NAN)).collect()
     }
 
-    fn beyond_rad(&self, angles: &[f32]) -> f32 {
-        let beyond = |(&angle, [low, high]): (&f32, &[f32; 2])| (low - angle).max(angle - high);
-        let each = angles.iter().zip(&self.ranges).map(beyond);
-        each.fold(0.0, f32::max)
+    fn beyond_rad(&self, angles: &[f32]) -> f64 {
+        let each = angles.iter().zip(&self.ranges);
+        largest(each.map(|(&angle, &[low, high])| {
+            let [angle, low, high] = [angle, low, high].map(f64::from);
+            // What is not a number is within no range.
+            if angle > low && angle < high {
+                0.0
+            } else {
+                (low - angle).abs().min((angle - high).abs())
+            }
+        }))
     }
 
     fn overlap_mm(&self, wall: &Placed) -> f64 {
@@ -226,7 +233,7 @@ impl PeerArm {
             let placed = Placed::at(&piece.solid, reference_pose(&at));
             1e3 * overlap_depth(&placed, wall)
         };
-        self.pieces.iter().map(depth).fold(0.0, f64::max)
+        largest(self.pieces.iter().map(depth))
     }
 }
 
