@@ -210,7 +210,7 @@ impl PeerArm {
             let link = joints.get_multibody(link.multibody)?.link(link.id)?;
             Some(link.joint().coords()[rapier::JointAxis::AngX as usize])
         };
-        let angles = self.links.iter().map(|body| angle(body));
+        let angles = self.links.iter().map(angle);
         angles.map(|angle| angle.unwrap_or(f32::NAN)).collect()
     }
 
