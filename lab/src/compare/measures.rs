@@ -56,9 +56,11 @@ pub const HELD: Measure = millimetres("hand in box", Some(0.1));
 pub const JITTER: Measure = millimetres("jitter under a still tracker", Some(0.0));
 /// How far the box is from where the hands should have it, at the end.
 pub const SLIPPED: Measure = millimetres("box off its place at the end", None);
-/// Boxes that fell.
+/// How far the hands that hold the box are from their trackers: what a wedged box costs.
+pub const HELD_BACK: Measure = millimetres("hand off its tracker", None);
+/// Boxes that fell, or that the hands could not take along.
 pub const DROPPED: Measure = Measure {
-    name: "boxes dropped",
+    name: "boxes dropped or left behind",
     unit: "",
     promised: Some(0.0),
     is_count: true,
@@ -111,6 +113,7 @@ pub fn measures(
             vec![
                 (DROPPED, f64::from(dropped)),
                 (SLIPPED, slipped_mm),
+                (HELD_BACK, most(all.clone(), |r| r.lag_mm)),
                 (HELD, most(all, |r| r.hand_loose_mm)),
                 (JITTER, most(still, |r| r.moved_mm)),
             ]
