@@ -3,6 +3,7 @@
 
 pub mod accuracy;
 pub mod avatar;
+pub mod compare;
 pub mod figures;
 pub mod gallery;
 pub mod hand;

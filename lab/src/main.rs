@@ -9,6 +9,7 @@ use palpable_lab::accuracy;
 use palpable_lab::accuracy::impulses::row::Case;
 use palpable_lab::avatar::Style;
 use palpable_lab::avatar::motions::SLAP_COUNT;
+use palpable_lab::compare;
 use palpable_lab::figures::capture::{Clip, Obstacles};
 use palpable_lab::figures::suite::Suite;
 use palpable_lab::hand::Hand;
@@ -45,6 +46,21 @@ enum Command {
     Accuracy {
         #[command(subcommand)]
         of: Measured,
+    },
+    /// Plays seven scenes on the kernel and on Rapier, side by side.
+    Compare {
+        /// Perturbed trackers a scene.
+        #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+        trackers: u32,
+        /// Slaps of the kernel; the peer gets a tenth.
+        #[arg(long, default_value_t = 400, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+        slaps: u32,
+        /// Seed of trackers and slaps.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Where compare.json and the figures go.
+        #[arg(long, default_value = "out")]
+        out: PathBuf,
     },
     /// Plays a BVH file of motion capture with the avatar, on a floor.
     Bvh {
@@ -170,6 +186,12 @@ fn main() -> ExitCode {
         Some(Command::Accuracy {
             of: Measured::Impulses { case, seed, out },
         }) => accuracy_of_impulses(*case, *seed, out),
+        Some(Command::Compare {
+            trackers,
+            slaps,
+            seed,
+            out,
+        }) => compared(*trackers, *slaps, *seed, out),
         Some(Command::Bvh {
             file,
             style,
@@ -245,6 +267,26 @@ fn accuracy_of_impulses(
     println!("\n{}", accuracy::impulses::failures(&found));
     accuracy::impulses::write(&found, out)?;
     println!("wrote {}", out.join("accuracy-impulses.svg").display());
+    Ok(())
+}
+
+fn compared(
+    trackers: u32,
+    slaps: u32,
+    seed: u64,
+    out: &Path,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let plan = compare::ComparePlan {
+        seed,
+        trackers: trackers as usize,
+        slaps: slaps as usize,
+    };
+    let bar = progress(plan.ticks(), "plays")?;
+    let found = compare::run(&Hand::load()?, &plan, || bar.inc(1))?;
+    bar.finish_and_clear();
+    println!("{}", compare::tables(&found));
+    compare::write(&found, out)?;
+    println!("wrote {}", out.join("compare-times.svg").display());
     Ok(())
 }
 
