@@ -136,10 +136,12 @@ fn only_ours(preprocessed: &str) -> &str {
 
 #[test]
 fn bad_input_is_refused() {
-    for program in [
-        library().link_static(Compiler::C99, "c/refusals.c"),
-        library().link_static(Compiler::Cpp11, "c/refusals.c"),
-    ] {
+    let sources = ["c/refusals.c", "c/loose_refusals.c"];
+    for (source, compiler) in sources
+        .iter()
+        .flat_map(|source| [Compiler::C99, Compiler::Cpp11].map(|compiler| (source, compiler)))
+    {
+        let program = library().link_static(compiler, source);
         let printed = Command::new(program).run_clean();
         assert!(
             printed.ends_with(" refusals as they should be\n"),
