@@ -25,6 +25,11 @@
  * Pieces lie on links as they lie on bodies. Each frame the host sets the body's target, then the chains',
  * a chain behind the one that it hangs on; steps; and draws `palp_chain_link_poses`.
  *
+ * Loose bodies. A dynamic body obeys the library's gravity and impulses. A hosted one obeys the host's own
+ * engine, which keeps its collisions with everything but hands. Each frame the host tells of its bodies
+ * with `palp_hosted_set`, steps, adds what `palp_hosted_impulses` gives to their momentum, and steps its
+ * engine. `palp_contact_events` tells what began to touch and what parted.
+ *
  * Versions. Structs that may grow start with `struct_size`, which the host sets, most easily with the
  * struct's `_INIT` macro; only fields that the host's version has are read or written. Ids are
  * { index1, generation }; zero is null, and an id outlives its thing without harm.
@@ -43,8 +48,8 @@
 #include <stdint.h>
 
 /** Number of this binary interface; it is part of the symbol of `palp_world_create`. */
-#define PALP_ABI 1
-#define palp_world_create palp_world_create_abi1
+#define PALP_ABI 2
+#define palp_world_create palp_world_create_abi2
 
 /** No rotation, no translation. */
 #define PALP_POSE_IDENTITY { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } }
@@ -54,7 +59,7 @@
     { (uint32_t)sizeof(palp_capacities), 64, 256, 4096, 1024, 256, 8, 16, 96 }
 
 /** Critically damped, settles in about 0.1 s, detached beyond 0.3 m. */
-#define PALP_COUPLING_DEFAULT { 0.4f, 1000.0f, 40.0f, 0.3f, 0, 0.1f }
+#define PALP_COUPLING_DEFAULT { 0.4f, 1000.0f, 40.0f, 0.3f, 0, 0.1f, 0 }
 
 /** A fixed body at the origin. */
 #define PALP_BODY_DEF_INIT \
@@ -86,15 +91,27 @@
 
 /** Empty, to be filled in by `palp_frame_step`. */
 #define PALP_FRAME_REPORT_INIT \
-    { (uint32_t)sizeof(palp_frame_report), 0, 0, 0, 0, 0, 0, 0.0f, 0 }
+    { (uint32_t)sizeof(palp_frame_report), 0, 0, 0, 0, 0, 0, 0.0f, 0, 0, 0 }
 
 /** Empty, to be filled in by `palp_driven_report`. */
 #define PALP_DRIVEN_STATE_INIT \
-    { (uint32_t)sizeof(palp_driven_state), 0, 0.0f, { 0.0f, 0.0f, 0.0f } }
+    { (uint32_t)sizeof(palp_driven_state), 0, 0.0f, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } }
+
+/** A still body at the origin that nothing moves, its id not yet set. */
+#define PALP_HOSTED_INPUT_INIT \
+    { (uint32_t)sizeof(palp_hosted_input), { 0, 0 }, PALP_POSE_IDENTITY, { 0.0f, 0.0f, 0.0f }, \
+      { 0.0f, 0.0f, 0.0f }, 0.0f, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }, \
+      { 0.0f, 0.0f, 0.0f, 1.0f } }
+
+/** Empty, to be filled in by `palp_hosted_impulse`. */
+#define PALP_HOSTED_STATE_INIT \
+    { (uint32_t)sizeof(palp_hosted_state), 0, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }, \
+      { 0.0f, 0.0f, 0.0f }, 0.0f }
 
 /** Empty. */
 #define PALP_CONTACT_INIT \
-    { { 0, 0 }, { 0, 0 }, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }, 0.0f, 0.0f }
+    { { 0, 0 }, { 0, 0 }, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }, 0.0f, 0.0f, \
+      0.0f, 0.0f }
 
 /** Empty, to be filled in by `palp_penetration`. */
 #define PALP_PENETRATION_RESULT_INIT \
@@ -128,6 +145,12 @@
 #define PALP_KIND_DRIVEN 3
 
 /**
+ * Moved by the host's own physics engine, which tells of it with `palp_hosted_set` before each frame and
+ * applies what `palp_hosted_impulse` gives before its own step.
+ */
+#define PALP_KIND_HOSTED 4
+
+/**
  * A detached body stays where contact holds it.
  */
 #define PALP_SNAP_NEVER 0
@@ -136,6 +159,16 @@
  * A detached body jumps to its tracker as soon as nothing is in the way there.
  */
 #define PALP_SNAP_WHEN_FREE 1
+
+/**
+ * The body pushes what is free as if it had no end of mass: without lag.
+ */
+#define PALP_PUSH_WITHOUT_LAG 0
+
+/**
+ * The body pushes with the mass of its spring, and gives way to what is heavy.
+ */
+#define PALP_PUSH_WITH_MASS 1
 
 /**
  * A point at the piece's origin: with the radius, a sphere.
@@ -246,6 +279,26 @@
  * A pool was full: the body stayed where it was.
  */
 #define PALP_DRIVEN_POOL_FULL 64
+
+/**
+ * There was no room for all contacts that `palp_contacts` can give.
+ */
+#define PALP_DRIVEN_CONTACTS_FULL 128
+
+/**
+ * The pieces did not touch in the frame before.
+ */
+#define PALP_EVENT_BEGIN 1
+
+/**
+ * The pieces touched in the frame before, and still do.
+ */
+#define PALP_EVENT_STAY 2
+
+/**
+ * The pieces do not touch any more.
+ */
+#define PALP_EVENT_END 3
 
 /**
  * Most contacts between one pair of pieces.
@@ -540,6 +593,10 @@ typedef struct palp_coupling {
      * How long a lost tracker's last target is kept before the body counts as lost, in seconds.
      */
     float grace_s;
+    /**
+     * How the body pushes loose ones: `PALP_PUSH_WITHOUT_LAG` or `PALP_PUSH_WITH_MASS`.
+     */
+    uint32_t push;
 } palp_coupling;
 
 /**
@@ -551,7 +608,7 @@ typedef struct palp_body_def {
      */
     uint32_t struct_size;
     /**
-     * `PALP_KIND_FIXED`, `PALP_KIND_DYNAMIC` or `PALP_KIND_DRIVEN`.
+     * `PALP_KIND_FIXED`, `PALP_KIND_DYNAMIC`, `PALP_KIND_DRIVEN` or `PALP_KIND_HOSTED`.
      */
     uint32_t kind;
     /**
@@ -598,7 +655,101 @@ typedef struct palp_driven_state {
      * Force of the coupling on the hand, in newtons, in the world: the haptic signal.
      */
     struct palp_vec3 force_n;
+    /**
+     * Mean force of loose bodies on the body over the frame, in newtons, in the world. A body that pushes
+     * without lag feels it here alone; one that gives way feels it in its coupling too.
+     */
+    struct palp_vec3 reaction_n;
 } palp_driven_state;
+
+/**
+ * A body of the host's own physics engine, as the host has it before a frame. Start from
+ * `PALP_HOSTED_INPUT_INIT`.
+ */
+typedef struct palp_hosted_input {
+    /**
+     * `sizeof(palp_hosted_input)`.
+     */
+    uint32_t struct_size;
+    /**
+     * A body of the kind `PALP_KIND_HOSTED`.
+     */
+    struct palp_body_id body;
+    /**
+     * Where it is.
+     */
+    struct palp_pose pose;
+    /**
+     * Velocity of its centre of mass, in m/s, at most 1000 a coordinate.
+     */
+    struct palp_vec3 velocity_m_s;
+    /**
+     * Angular velocity in the world, in rad/s, at most 3000 a coordinate.
+     */
+    struct palp_vec3 spin_rad_s;
+    /**
+     * Mass in kg, 1e-9 to 1e9; 0 for a body that nothing moves.
+     */
+    float mass_kg;
+    /**
+     * Centre of mass in the body's frame, in metres.
+     */
+    struct palp_vec3 centre;
+    /**
+     * Principal moments of inertia about the centre of mass, in kg m2, 1e-9 to 1e9; not looked at when
+     * `mass_kg` is 0.
+     */
+    struct palp_vec3 moments_kg_m2;
+    /**
+     * Orientation of the principal axes in the body's frame.
+     */
+    struct palp_quat axes;
+} palp_hosted_input;
+
+/**
+ * The first of several entries that was refused.
+ */
+typedef struct palp_refusal {
+    /**
+     * Its place among those given, from 0; their number when none was refused.
+     */
+    uint32_t index;
+    /**
+     * Why; PALP_OK when none was refused.
+     */
+    palp_status status;
+} palp_refusal;
+
+/**
+ * What hands did to a hosted body in the last frame. Start from `PALP_HOSTED_STATE_INIT`.
+ */
+typedef struct palp_hosted_state {
+    /**
+     * `sizeof(palp_hosted_state)`.
+     */
+    uint32_t struct_size;
+    /**
+     * Contacts that carried an impulse.
+     */
+    uint32_t contacts;
+    /**
+     * Impulse of the driven and dynamic bodies on it, in newton seconds, in the world.
+     */
+    struct palp_vec3 impulse_n_s;
+    /**
+     * Their angular impulse about its centre of mass, in newton metre seconds, in the world.
+     */
+    struct palp_vec3 angular_n_m_s;
+    /**
+     * Mean of the contacts' points, weighted by their normal impulses, in the world, in metres; says nothing
+     * when `contacts` is 0. The two impulses are all that an engine needs; this is where they came from.
+     */
+    struct palp_vec3 point;
+    /**
+     * Sum of the contacts' normal impulses, in newton seconds.
+     */
+    float push_n_s;
+} palp_hosted_state;
 
 /**
  * What a piece is made from. Start from `PALP_PIECE_DEF_INIT`.
@@ -877,6 +1028,14 @@ typedef struct palp_frame_report {
      * Steps spent on chains; none while nothing touches one.
      */
     uint32_t reach_steps;
+    /**
+     * Contact events that `palp_contact_events` gives.
+     */
+    uint32_t events;
+    /**
+     * Contact events that found no room: raise `palp_capacities.contacts`.
+     */
+    uint32_t events_dropped;
 } palp_frame_report;
 
 /**
@@ -908,7 +1067,63 @@ typedef struct palp_contact {
      * fixed.
      */
     float impulse_n_s;
+    /**
+     * Fastest approach of the surfaces in the frame before an impulse, in m/s; zero for driven against
+     * fixed.
+     */
+    float approach_m_s;
+    /**
+     * Speed of the surfaces along each other, in m/s.
+     */
+    float slide_m_s;
 } palp_contact;
+
+/**
+ * Two pieces that began to touch, still do, or came apart: for haptics and sound.
+ */
+typedef struct palp_contact_event {
+    /**
+     * `PALP_EVENT_BEGIN`, `PALP_EVENT_STAY` or `PALP_EVENT_END`.
+     */
+    uint32_t kind;
+    /**
+     * Piece of the driven or loose body. After an end it may be gone.
+     */
+    struct palp_piece_id piece_a;
+    /**
+     * Piece of the other body.
+     */
+    struct palp_piece_id piece_b;
+    /**
+     * Material of A: a `PALP_MATERIAL_` number or one from `palp_material_add`.
+     */
+    uint32_t material_a;
+    /**
+     * Material of B.
+     */
+    uint32_t material_b;
+    /**
+     * Mean of the contacts' points, weighted by their impulses, in the world, in metres; after an end the
+     * last one.
+     */
+    struct palp_vec3 point;
+    /**
+     * From B into A at the contact with the largest impulse, unit length.
+     */
+    struct palp_vec3 normal;
+    /**
+     * Sum of the normal impulses during the frame, in newton seconds; zero for driven against fixed.
+     */
+    float impulse_n_s;
+    /**
+     * Fastest approach before an impulse, in m/s: how hard the pieces met.
+     */
+    float approach_m_s;
+    /**
+     * Fastest slip, in m/s.
+     */
+    float slide_m_s;
+} palp_contact_event;
 
 /**
  * How two bodies lie to each other. Start from `PALP_PENETRATION_RESULT_INIT`.
@@ -1011,6 +1226,11 @@ typedef struct palp_penetration_result {
  * Stepped; chains in contact got fewer steps than they wanted: raise `palp_frame_input.reach_steps`.
  */
 #define PALP_CUT_REACH 10
+
+/**
+ * Done for every entry but those that were refused; `palp_refusal` names the first of them.
+ */
+#define PALP_ENTRIES_REFUSED 11
 
 /**
  * The library failed inside. The world may be half changed: load a saved state or create it anew.
@@ -1267,6 +1487,17 @@ typedef struct palp_penetration_result {
  */
 #define PALP_CONE_BAD_WINDING -50
 
+/**
+ * A force, a torque or an impulse is not finite, or a coordinate of it or of its sum is beyond 1e9.
+ */
+#define PALP_BAD_FORCE -51
+
+/**
+ * A mass or a moment of inertia is outside 1e-9 to 1e9, the centre of mass is not finite or farther than
+ * 1024 m from the body's origin, or the principal axes have no direction.
+ */
+#define PALP_BAD_MASS -52
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1301,7 +1532,7 @@ size_t palp_memory_bytes(const struct palp_capacities *capacities);
  * Call it as `palp_world_create`: the number in the symbol is `PALP_ABI`, so that a program built
  * with another header does not link.
  */
-palp_status palp_world_create_abi1(void *memory,
+palp_status palp_world_create_abi2(void *memory,
                                    size_t bytes,
                                    const struct palp_capacities *capacities,
                                    struct palp_world **world);
@@ -1386,6 +1617,32 @@ palp_status palp_body_mass(const struct palp_world *world,
                            float *mass_kg);
 
 /**
+ * Adds a force in newtons and a torque about the centre of mass in newton metres, both in the world, that
+ * act on a dynamic body over the whole of the next frame, and wakes it. Each coordinate of a frame's sum is
+ * at most 1e9.
+ */
+palp_status palp_body_apply_force(struct palp_world *world,
+                                  struct palp_body_id body,
+                                  const struct palp_vec3 *force_n,
+                                  const struct palp_vec3 *torque_n_m);
+
+/**
+ * Changes a dynamic body's motion at once by an impulse in newton seconds at a point, both in the world,
+ * and wakes it. The next frame slows what became faster than 1000 m/s or 3000 rad/s.
+ */
+palp_status palp_body_apply_impulse(struct palp_world *world,
+                                    struct palp_body_id body,
+                                    const struct palp_vec3 *impulse_n_s,
+                                    const struct palp_vec3 *point);
+
+/**
+ * Whether a dynamic body sleeps, 1 or 0: it and all that it leans on have been still for a while.
+ */
+palp_status palp_body_is_asleep(const struct palp_world *world,
+                                struct palp_body_id body,
+                                uint32_t *asleep);
+
+/**
  * Tells where a driven body's tracker is. Call it every frame: a frame without it, or with one that
  * is refused, counts the tracker as lost and keeps the last target.
  */
@@ -1416,6 +1673,45 @@ palp_status palp_body_pose(const struct palp_world *world,
 palp_status palp_driven_report(const struct palp_world *world,
                                struct palp_body_id body,
                                struct palp_driven_state *state);
+
+/**
+ * Tells where the host's own bodies are, how they move and what they weigh; call it once before each frame
+ * with all that move. Driven bodies make room for them, push, squeeze and hold them, as if gravity and
+ * contacts alone moved them in the frame; `palp_hosted_impulses` gives what that did to them.
+ *
+ * `inputs` are `count` structs, `stride` bytes from one to the next, so that they may lie in larger structs
+ * of the host's; a stride of 0 is refused. Every entry that is good is taken, the others stay as they were:
+ * then the status is `PALP_ENTRIES_REFUSED`, and `refusal`, which may be null, names the first of them and
+ * says why. Costs a pass over the pieces of the bodies that moved.
+ */
+palp_status palp_hosted_set(struct palp_world *world,
+                            const struct palp_hosted_input *inputs,
+                            uint32_t count,
+                            uint32_t stride,
+                            struct palp_refusal *refusal);
+
+/**
+ * What driven and dynamic bodies did to a hosted body in the last frame. The host's engine is to apply it
+ * before its own step. `state->struct_size` is set by the host.
+ */
+palp_status palp_hosted_impulse(const struct palp_world *world,
+                                struct palp_body_id body,
+                                struct palp_hosted_state *state);
+
+/**
+ * As `palp_hosted_impulse`, for many bodies at once: `bodies` are `count` ids, `body_stride` bytes from one
+ * to the next, and `states` as many results, `state_stride` bytes apart, so that both may lie in larger
+ * structs of the host's; a stride of 0 is refused. The `struct_size` of each state is set by the host.
+ * Every entry that is good is answered, the others stay as they were: then the status is
+ * `PALP_ENTRIES_REFUSED`, and `refusal`, which may be null, names the first of them and says why.
+ */
+palp_status palp_hosted_impulses(const struct palp_world *world,
+                                 const struct palp_body_id *bodies,
+                                 uint32_t body_stride,
+                                 struct palp_hosted_state *states,
+                                 uint32_t state_stride,
+                                 uint32_t count,
+                                 struct palp_refusal *refusal);
 
 /**
  * Adds a piece to a body, behind those it has. Builds its hull on the stack.
@@ -1653,6 +1949,16 @@ palp_status palp_frame_step(struct palp_world *world,
 palp_status palp_contacts(const struct palp_world *world,
                           const struct palp_contact **contacts,
                           uint32_t *count);
+
+/**
+ * What began to touch, stayed and parted in the last frame: one event for each pair of pieces, first those
+ * that began, then those that ended, then those that stayed. Bodies that sleep go on touching without being
+ * told of. The array lies in the world's block and is good until the next call that changes the world. What
+ * found no room, those that stayed before all others, is counted in `palp_frame_report.events_dropped`.
+ */
+palp_status palp_contact_events(const struct palp_world *world,
+                                const struct palp_contact_event **events,
+                                uint32_t *count);
 
 /**
  * How deep two bodies overlap where they are published, and the least translation of A that parts

@@ -3,6 +3,7 @@
 use core::mem::MaybeUninit;
 use core::ops::Range;
 
+use crate::hosted::{palp_hosted_input, palp_hosted_state};
 use crate::skeleton::{palp_chain_def, palp_chain_state, palp_joint};
 use crate::status::{
     PALP_BAD_STRIDE, PALP_BAD_STRUCT_SIZE, PALP_INSIDE_WORLD, PALP_MISALIGNED, PALP_NULL,
@@ -53,7 +54,7 @@ versioned! {
         struct_size: 0, bodies: 0, pieces: 0, vertices: 0, pairs: 0, contacts: 0, materials: 0,
         chains: 0, joints: 0,
     };
-    palp_body_def: [], 2 * 4 + 28 + 6 * 4, palp_body_def {
+    palp_body_def: [2 * 4 + 28 + 6 * 4], 2 * 4 + 28 + 7 * 4, palp_body_def {
         struct_size: 0, kind: 0, pose: palp_pose::IDENTITY, coupling: palp_coupling::DEFAULT,
     };
     palp_piece_def: [], 2 * 4 + POINTER + 2 * 4 + 2 * 12 + 3 * 4 + 28, palp_piece_def {
@@ -70,14 +71,20 @@ versioned! {
         struct_size: 0, dt_s: 0.0, advance_units: u32::MAX, impulse_units: u32::MAX,
         reach_steps: u32::MAX,
     };
-    palp_frame_report: [], 2 * 4 + 8 + 6 * 4, palp_frame_report {
+    palp_frame_report: [2 * 4 + 8 + 6 * 4], 2 * 4 + 8 + 8 * 4, palp_frame_report {
         struct_size: 0, flags: 0, frame: 0, advance_units: 0, impulse_units: 0, contacts: 0,
-        impulses: 0, lost_s: 0.0, reach_steps: 0,
+        impulses: 0, lost_s: 0.0, reach_steps: 0, events: 0, events_dropped: 0,
     };
-    palp_driven_state: [], 3 * 4 + 12, palp_driven_state {
+    palp_driven_state: [3 * 4 + 12], 3 * 4 + 2 * 12, palp_driven_state {
         struct_size: 0, flags: 0, displacement_m: 0.0, force_n: palp_vec3::new([0.0; 3]),
+        reaction_n: palp_vec3::new([0.0; 3]),
     };
-    palp_penetration_result: [], 4 * 4 + 3 * 12 + 2 * 8 + 4 * 48, palp_penetration_result {
+    palp_hosted_input: [], 2 * 4 + 4 + 28 + 4 * 12 + 4 + 16, palp_hosted_input::NONE;
+    palp_hosted_state: [], 2 * 4 + 3 * 12 + 4, palp_hosted_state {
+        struct_size: 0, contacts: 0, impulse_n_s: palp_vec3::new([0.0; 3]),
+        angular_n_m_s: palp_vec3::new([0.0; 3]), point: palp_vec3::new([0.0; 3]), push_n_s: 0.0,
+    };
+    palp_penetration_result: [], 4 * 4 + 3 * 12 + 2 * 8 + 4 * 56, palp_penetration_result {
         struct_size: 0, contact_count: 0, depth_m: 0.0, distance_m: 0.0,
         normal: palp_vec3::new([0.0; 3]), point_a: palp_vec3::new([0.0; 3]),
         point_b: palp_vec3::new([0.0; 3]), piece_a: palp_piece_id::NULL,
@@ -253,26 +260,90 @@ pub(crate) unsafe fn each_versioned<T: Versioned>(
     // SAFETY: the same contract.
     let stated = unsafe { stated_bytes(pointer) }?;
     let stride = if stride == 0 { stated } else { stride as usize };
-    if stride < stated || !stride.is_multiple_of(align_of::<T>()) {
-        return Err(PALP_BAD_STRIDE);
-    }
-    let bytes = stride
-        .checked_mul(count as usize)
-        .filter(|&bytes| isize::try_from(bytes).is_ok())
-        .ok_or(PALP_WRONG_COUNT)?;
-    judge_outside(block, pointer.addr(), bytes)?;
-    for index in 0..count as usize {
-        // SAFETY: readable by contract, aligned because the first is and the stride is.
-        let read = unsafe {
-            let at = pointer.byte_add(index * stride);
-            if stated_bytes(at)? > stride {
-                return Err(PALP_BAD_STRUCT_SIZE);
-            }
-            versioned(at)?
-        };
-        take(index, &read)?;
+    let entries = Strided::judged(pointer, count, stride, stated, block)?;
+    for index in 0..entries.count {
+        // SAFETY: readable by contract.
+        let entry = unsafe { entries.versioned(index)? };
+        take(index, &entry)?;
     }
     Ok(())
+}
+
+/// Entries of an array of the host outside the world's block, some bytes apart.
+pub(crate) struct Strided<T> {
+    first: *const T,
+    stride: usize,
+    /// How many there are.
+    pub count: usize,
+}
+
+impl<T> Strided<T> {
+    /// An array whose entries take at least `entry` bytes. Null is an empty array when there are to be no
+    /// entries.
+    pub(crate) fn judged(
+        first: *const T,
+        count: u32,
+        stride: usize,
+        entry: usize,
+        block: &Range<usize>,
+    ) -> Result<Self, palp_status> {
+        let count = count as usize;
+        if count == 0 {
+            return Ok(Self {
+                first,
+                stride,
+                count,
+            });
+        }
+        judge(first)?;
+        if stride < entry || !stride.is_multiple_of(align_of::<T>()) {
+            return Err(PALP_BAD_STRIDE);
+        }
+        let bytes = stride
+            .checked_mul(count - 1)
+            .and_then(|bytes| bytes.checked_add(entry))
+            .filter(|&bytes| isize::try_from(bytes).is_ok())
+            .ok_or(PALP_WRONG_COUNT)?;
+        judge_outside(block, first.addr(), bytes)?;
+        Ok(Self {
+            first,
+            stride,
+            count,
+        })
+    }
+
+    /// An entry's address, aligned because the first one and the stride are.
+    pub(crate) fn at(&self, index: usize) -> *const T {
+        debug_assert!(index < self.count);
+        self.first.wrapping_byte_add(index * self.stride)
+    }
+}
+
+impl<T: Versioned> Strided<T> {
+    /// The size that an entry says it has: no more than the stride, or entries would overlap.
+    ///
+    /// # Safety
+    /// The entry is readable for as many bytes as its first four say.
+    pub(crate) unsafe fn stated_bytes(&self, index: usize) -> Result<usize, palp_status> {
+        // SAFETY: the same contract.
+        let stated = unsafe { stated_bytes(self.at(index)) }?;
+        if stated > self.stride {
+            return Err(PALP_BAD_STRUCT_SIZE);
+        }
+        Ok(stated)
+    }
+
+    /// An entry of any version.
+    ///
+    /// # Safety
+    /// The entry is readable for as many bytes as its first four say.
+    pub(crate) unsafe fn versioned(&self, index: usize) -> Result<T, palp_status> {
+        // SAFETY: the same contract.
+        unsafe {
+            self.stated_bytes(index)?;
+            versioned(self.at(index))
+        }
+    }
 }
 
 #[cfg(test)]

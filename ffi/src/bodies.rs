@@ -10,12 +10,13 @@ use crate::arguments::{
 use crate::block::Block;
 use crate::panic::guarded;
 use crate::status::{
-    PALP_BAD_COUPLING, PALP_BAD_ENUM, PALP_BAD_POSE, PALP_BAD_VELOCITY, PALP_FULL_BODIES, PALP_OK,
-    PALP_SAME_BODY, PALP_STALE_BODY, PALP_WRONG_COUNT, PALP_WRONG_KIND, palp_status,
+    PALP_BAD_COUPLING, PALP_BAD_ENUM, PALP_BAD_FORCE, PALP_BAD_MASS, PALP_BAD_POSE,
+    PALP_BAD_VELOCITY, PALP_FULL_BODIES, PALP_OK, PALP_SAME_BODY, PALP_STALE_BODY,
+    PALP_WRONG_COUNT, PALP_WRONG_KIND, palp_status,
 };
 use crate::types::{
-    PALP_KIND_DRIVEN, PALP_KIND_DYNAMIC, PALP_KIND_FIXED, palp_body_def, palp_body_id,
-    palp_driven_state, palp_pose, palp_vec3, palp_world,
+    PALP_KIND_DRIVEN, PALP_KIND_DYNAMIC, PALP_KIND_FIXED, PALP_KIND_HOSTED, palp_body_def,
+    palp_body_id, palp_driven_state, palp_pose, palp_vec3, palp_world,
 };
 
 const fn add_status(error: AddBodyError) -> palp_status {
@@ -33,6 +34,8 @@ pub(crate) const fn body_status(error: BodyError) -> palp_status {
         BodyError::BadPose => PALP_BAD_POSE,
         BodyError::WrongCount => PALP_WRONG_COUNT,
         BodyError::BadVelocity => PALP_BAD_VELOCITY,
+        BodyError::BadForce => PALP_BAD_FORCE,
+        BodyError::BadMass => PALP_BAD_MASS,
         BodyError::SameBody => PALP_SAME_BODY,
     }
 }
@@ -42,9 +45,12 @@ fn body_def(def: &palp_body_def) -> Result<BodyDef, palp_status> {
         PALP_KIND_FIXED => BodyKind::Fixed,
         PALP_KIND_DYNAMIC => BodyKind::Dynamic,
         PALP_KIND_DRIVEN => BodyKind::Driven,
+        PALP_KIND_HOSTED => BodyKind::Hosted,
         _ => return Err(PALP_BAD_ENUM),
     };
-    if kind == BodyKind::Driven && def.coupling.snap > Coupling::SNAP_WHEN_FREE {
+    let spring = &def.coupling;
+    let known = spring.snap <= Coupling::SNAP_WHEN_FREE && spring.push <= Coupling::PUSH_WITH_MASS;
+    if kind == BodyKind::Driven && !known {
         return Err(PALP_BAD_ENUM);
     }
     Ok(BodyDef {
@@ -174,6 +180,74 @@ pub unsafe extern "C" fn palp_body_mass(
             let mass = Block::of(world)?
                 .read(|world| world.mass_kg(body.to_kernel()).map_err(body_status))?;
             put(mass_kg, mass);
+        }
+        Ok(PALP_OK)
+    })
+}
+
+/// Adds a force in newtons and a torque about the centre of mass in newton metres, both in the world, that
+/// act on a dynamic body over the whole of the next frame, and wakes it. Each coordinate of a frame's sum is
+/// at most 1e9.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palp_body_apply_force(
+    world: *mut palp_world,
+    body: palp_body_id,
+    force_n: *const palp_vec3,
+    torque_n_m: *const palp_vec3,
+) -> palp_status {
+    guarded(|| {
+        // SAFETY: the header's rules for pointers and threads.
+        unsafe {
+            let force = value(force_n)?.to_array();
+            let torque = value(torque_n_m)?.to_array();
+            Block::of(world)?.change(|world| {
+                world
+                    .apply_force(body.to_kernel(), force, torque)
+                    .map_err(body_status)
+            })?;
+        }
+        Ok(PALP_OK)
+    })
+}
+
+/// Changes a dynamic body's motion at once by an impulse in newton seconds at a point, both in the world,
+/// and wakes it. The next frame slows what became faster than 1000 m/s or 3000 rad/s.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palp_body_apply_impulse(
+    world: *mut palp_world,
+    body: palp_body_id,
+    impulse_n_s: *const palp_vec3,
+    point: *const palp_vec3,
+) -> palp_status {
+    guarded(|| {
+        // SAFETY: the header's rules for pointers and threads.
+        unsafe {
+            let impulse = value(impulse_n_s)?.to_array();
+            let point = value(point)?.to_array();
+            Block::of(world)?.change(|world| {
+                world
+                    .apply_impulse(body.to_kernel(), impulse, point)
+                    .map_err(body_status)
+            })?;
+        }
+        Ok(PALP_OK)
+    })
+}
+
+/// Whether a dynamic body sleeps, 1 or 0: it and all that it leans on have been still for a while.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palp_body_is_asleep(
+    world: *const palp_world,
+    body: palp_body_id,
+    asleep: *mut u32,
+) -> palp_status {
+    guarded(|| {
+        judge(asleep)?;
+        // SAFETY: the header's rules for pointers and threads.
+        unsafe {
+            let sleeps = Block::of(world)?
+                .read(|world| world.is_asleep(body.to_kernel()).map_err(body_status))?;
+            put(asleep, u32::from(sleeps));
         }
         Ok(PALP_OK)
     })

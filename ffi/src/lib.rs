@@ -18,6 +18,7 @@ mod chains;
 mod contacts;
 mod frame;
 mod hands;
+mod hosted;
 mod human;
 mod materials;
 mod panic;

@@ -30,6 +30,8 @@ pub const PALP_TRACKING_LOST: palp_status = 8;
 pub const PALP_PAIRS_LEFT_OUT: palp_status = 9;
 /// Stepped; chains in contact got fewer steps than they wanted: raise `palp_frame_input.reach_steps`.
 pub const PALP_CUT_REACH: palp_status = 10;
+/// Done for every entry but those that were refused; `palp_refusal` names the first of them.
+pub const PALP_ENTRIES_REFUSED: palp_status = 11;
 
 /// The library failed inside. The world may be half changed: load a saved state or create it anew.
 pub const PALP_PANICKED: palp_status = -1;
@@ -136,6 +138,11 @@ pub const PALP_CONE_BAD_EDGE: palp_status = -48;
 pub const PALP_CONE_NOT_VISIBLE: palp_status = -49;
 /// The corners of a reach cone go around its visible point more than once.
 pub const PALP_CONE_BAD_WINDING: palp_status = -50;
+/// A force, a torque or an impulse is not finite, or a coordinate of it or of its sum is beyond 1e9.
+pub const PALP_BAD_FORCE: palp_status = -51;
+/// A mass or a moment of inertia is outside 1e-9 to 1e9, the centre of mass is not finite or farther than
+/// 1024 m from the body's origin, or the principal axes have no direction.
+pub const PALP_BAD_MASS: palp_status = -52;
 
 const TEXTS: &[(palp_status, &CStr)] = &[
     (PALP_OK, c"done"),
@@ -318,6 +325,18 @@ const TEXTS: &[(palp_status, &CStr)] = &[
     (
         PALP_CONE_BAD_WINDING,
         c"the corners of a reach cone go around its visible point more than once",
+    ),
+    (
+        PALP_ENTRIES_REFUSED,
+        c"some entries were refused, the others are done: palp_refusal names the first",
+    ),
+    (
+        PALP_BAD_FORCE,
+        c"a force, a torque or an impulse is not finite or too large",
+    ),
+    (
+        PALP_BAD_MASS,
+        c"a mass, a moment, a centre of mass or the principal axes are out of range",
     ),
 ];
 

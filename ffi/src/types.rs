@@ -8,10 +8,13 @@ use palpable_kernel::frame::{Budget, FrameInput, FrameReport};
 use palpable_kernel::limits::{MANIFOLD_CONTACTS_MAX, PIECE_VERTICES_MAX};
 use palpable_kernel::math::Pose;
 use palpable_kernel::memory::{BLOCK_ALIGNMENT, BodyId, Capacities, PieceId};
-use palpable_kernel::state::bodies::{Coupling, DrivenReport};
+use palpable_kernel::state::bodies::{BodyKind, Coupling, DrivenReport};
 use palpable_kernel::state::contacts::ContactPoint;
+use palpable_kernel::state::events::ContactEvent;
 use palpable_kernel::state::materials::Material;
 use palpable_kernel::world::BodyPenetration;
+
+use crate::status::palp_status;
 
 /// A world. Its handle is the address of the block it lies in, which is the host's memory: there is
 /// no call to destroy it, and a copy of the block at another address is a second world.
@@ -112,11 +115,19 @@ pub const PALP_KIND_FIXED: u32 = 1;
 pub const PALP_KIND_DYNAMIC: u32 = 2;
 /// Follows a tracker, and never into a fixed body.
 pub const PALP_KIND_DRIVEN: u32 = 3;
+/// Moved by the host's own physics engine, which tells of it with `palp_hosted_set` before each frame and
+/// applies what `palp_hosted_impulse` gives before its own step.
+pub const PALP_KIND_HOSTED: u32 = 4;
 
 /// A detached body stays where contact holds it.
 pub const PALP_SNAP_NEVER: u32 = 0;
 /// A detached body jumps to its tracker as soon as nothing is in the way there.
 pub const PALP_SNAP_WHEN_FREE: u32 = 1;
+
+/// The body pushes what is free as if it had no end of mass: without lag.
+pub const PALP_PUSH_WITHOUT_LAG: u32 = 0;
+/// The body pushes with the mass of its spring, and gives way to what is heavy.
+pub const PALP_PUSH_WITH_MASS: u32 = 1;
 
 /// The spring between a tracker and a driven body. It carries only what contact forces: free motion
 /// does not lag.
@@ -135,6 +146,8 @@ pub struct palp_coupling {
     pub snap: u32,
     /// How long a lost tracker's last target is kept before the body counts as lost, in seconds.
     pub grace_s: f32,
+    /// How the body pushes loose ones: `PALP_PUSH_WITHOUT_LAG` or `PALP_PUSH_WITH_MASS`.
+    pub push: u32,
 }
 
 /// What a body is made from. Start from `PALP_BODY_DEF_INIT`.
@@ -143,7 +156,7 @@ pub struct palp_coupling {
 pub struct palp_body_def {
     /// `sizeof(palp_body_def)`.
     pub struct_size: u32,
-    /// `PALP_KIND_FIXED`, `PALP_KIND_DYNAMIC` or `PALP_KIND_DRIVEN`.
+    /// `PALP_KIND_FIXED`, `PALP_KIND_DYNAMIC`, `PALP_KIND_DRIVEN` or `PALP_KIND_HOSTED`.
     pub kind: u32,
     /// Where it is.
     pub pose: palp_pose,
@@ -253,6 +266,10 @@ pub struct palp_frame_report {
     pub lost_s: f32,
     /// Steps spent on chains; none while nothing touches one.
     pub reach_steps: u32,
+    /// Contact events that `palp_contact_events` gives.
+    pub events: u32,
+    /// Contact events that found no room: raise `palp_capacities.contacts`.
+    pub events_dropped: u32,
 }
 
 /// Contact bent or ended the body's way.
@@ -269,6 +286,8 @@ pub const PALP_DRIVEN_CUT: u32 = 16;
 pub const PALP_DRIVEN_OVERLAPS: u32 = 32;
 /// A pool was full: the body stayed where it was.
 pub const PALP_DRIVEN_POOL_FULL: u32 = 64;
+/// There was no room for all contacts that `palp_contacts` can give.
+pub const PALP_DRIVEN_CONTACTS_FULL: u32 = 128;
 
 /// What the last frame did to a driven body. Start from `PALP_DRIVEN_STATE_INIT`.
 #[repr(C)]
@@ -282,6 +301,9 @@ pub struct palp_driven_state {
     pub displacement_m: f32,
     /// Force of the coupling on the hand, in newtons, in the world: the haptic signal.
     pub force_n: palp_vec3,
+    /// Mean force of loose bodies on the body over the frame, in newtons, in the world. A body that pushes
+    /// without lag feels it here alone; one that gives way feels it in its coupling too.
+    pub reaction_n: palp_vec3,
 }
 
 /// A contact of the last frame.
@@ -301,6 +323,45 @@ pub struct palp_contact {
     /// Impulse on A along the normal during the frame, in newton seconds; zero for driven against
     /// fixed.
     pub impulse_n_s: f32,
+    /// Fastest approach of the surfaces in the frame before an impulse, in m/s; zero for driven against
+    /// fixed.
+    pub approach_m_s: f32,
+    /// Speed of the surfaces along each other, in m/s.
+    pub slide_m_s: f32,
+}
+
+/// The pieces did not touch in the frame before.
+pub const PALP_EVENT_BEGIN: u32 = 1;
+/// The pieces touched in the frame before, and still do.
+pub const PALP_EVENT_STAY: u32 = 2;
+/// The pieces do not touch any more.
+pub const PALP_EVENT_END: u32 = 3;
+
+/// Two pieces that began to touch, still do, or came apart: for haptics and sound.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct palp_contact_event {
+    /// `PALP_EVENT_BEGIN`, `PALP_EVENT_STAY` or `PALP_EVENT_END`.
+    pub kind: u32,
+    /// Piece of the driven or loose body. After an end it may be gone.
+    pub piece_a: palp_piece_id,
+    /// Piece of the other body.
+    pub piece_b: palp_piece_id,
+    /// Material of A: a `PALP_MATERIAL_` number or one from `palp_material_add`.
+    pub material_a: u32,
+    /// Material of B.
+    pub material_b: u32,
+    /// Mean of the contacts' points, weighted by their impulses, in the world, in metres; after an end the
+    /// last one.
+    pub point: palp_vec3,
+    /// From B into A at the contact with the largest impulse, unit length.
+    pub normal: palp_vec3,
+    /// Sum of the normal impulses during the frame, in newton seconds; zero for driven against fixed.
+    pub impulse_n_s: f32,
+    /// Fastest approach before an impulse, in m/s: how hard the pieces met.
+    pub approach_m_s: f32,
+    /// Fastest slip, in m/s.
+    pub slide_m_s: f32,
 }
 
 /// Most contacts between one pair of pieces.
@@ -331,6 +392,16 @@ pub struct palp_penetration_result {
     pub piece_b: palp_piece_id,
     /// Contacts of that pair, with that pair's own normal. Their impulse is zero.
     pub contacts: [palp_contact; PALP_PAIR_CONTACTS as usize],
+}
+
+/// The first of several entries that was refused.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct palp_refusal {
+    /// Its place among those given, from 0; their number when none was refused.
+    pub index: u32,
+    /// Why; PALP_OK when none was refused.
+    pub status: palp_status,
 }
 
 /// Joints of a hand in OpenXR: `XR_HAND_JOINT_COUNT_EXT`.
@@ -405,6 +476,7 @@ impl palp_coupling {
             divergence_m: from.divergence_m,
             snap: from.snap,
             grace_s: from.grace_s,
+            push: from.push,
         }
     };
 
@@ -416,6 +488,7 @@ impl palp_coupling {
             divergence_m: self.divergence_m,
             snap: self.snap,
             grace_s: self.grace_s,
+            push: self.push,
         }
     }
 }
@@ -445,6 +518,8 @@ impl palp_frame_report {
             impulses: from.impulses,
             lost_s: from.lost_s,
             reach_steps: from.reach_steps,
+            events: from.events,
+            events_dropped: from.events_dropped,
         }
     }
 }
@@ -456,6 +531,7 @@ impl palp_driven_state {
             flags: from.flags,
             displacement_m: from.displacement_m,
             force_n: palp_vec3::new(from.force_n),
+            reaction_n: palp_vec3::new(from.reaction_n),
         }
     }
 }
@@ -468,6 +544,8 @@ impl palp_contact {
         normal: palp_vec3::new([0.0; 3]),
         gap_m: 0.0,
         impulse_n_s: 0.0,
+        approach_m_s: 0.0,
+        slide_m_s: 0.0,
     };
 
     const fn new(from: &ContactPoint) -> Self {
@@ -478,6 +556,8 @@ impl palp_contact {
             normal: palp_vec3::new(from.normal),
             gap_m: from.gap_m,
             impulse_n_s: from.impulse_n_s,
+            approach_m_s: from.approach_m_s,
+            slide_m_s: from.slide_m_s,
         }
     }
 }
@@ -551,6 +631,25 @@ const _: () = {
     assert!(offset_of!(palp_contact, normal) == offset_of!(ContactPoint, normal));
     assert!(offset_of!(palp_contact, gap_m) == offset_of!(ContactPoint, gap_m));
     assert!(offset_of!(palp_contact, impulse_n_s) == offset_of!(ContactPoint, impulse_n_s));
+    assert!(offset_of!(palp_contact, approach_m_s) == offset_of!(ContactPoint, approach_m_s));
+    assert!(offset_of!(palp_contact, slide_m_s) == offset_of!(ContactPoint, slide_m_s));
+};
+
+// And the column of events.
+const _: () = {
+    assert!(size_of::<palp_contact_event>() == size_of::<ContactEvent>());
+    assert!(align_of::<palp_contact_event>() == align_of::<ContactEvent>());
+    assert!(size_of::<Material>() == size_of::<u32>());
+    assert!(offset_of!(palp_contact_event, kind) == offset_of!(ContactEvent, kind));
+    assert!(offset_of!(palp_contact_event, piece_a) == offset_of!(ContactEvent, piece_a));
+    assert!(offset_of!(palp_contact_event, piece_b) == offset_of!(ContactEvent, piece_b));
+    assert!(offset_of!(palp_contact_event, material_a) == offset_of!(ContactEvent, material_a));
+    assert!(offset_of!(palp_contact_event, material_b) == offset_of!(ContactEvent, material_b));
+    assert!(offset_of!(palp_contact_event, point) == offset_of!(ContactEvent, point));
+    assert!(offset_of!(palp_contact_event, normal) == offset_of!(ContactEvent, normal));
+    assert!(offset_of!(palp_contact_event, impulse_n_s) == offset_of!(ContactEvent, impulse_n_s));
+    assert!(offset_of!(palp_contact_event, approach_m_s) == offset_of!(ContactEvent, approach_m_s));
+    assert!(offset_of!(palp_contact_event, slide_m_s) == offset_of!(ContactEvent, slide_m_s));
 };
 
 // Numbers that the header repeats.
@@ -558,6 +657,15 @@ const _: () = {
     assert!(PALP_BLOCK_ALIGNMENT as usize == BLOCK_ALIGNMENT);
     assert!(PALP_POINTS_MAX as usize == PIECE_VERTICES_MAX);
     assert!(PALP_PAIR_CONTACTS as usize == MANIFOLD_CONTACTS_MAX);
+    assert!(PALP_KIND_FIXED == BodyKind::Fixed as u32);
+    assert!(PALP_KIND_DYNAMIC == BodyKind::Dynamic as u32);
+    assert!(PALP_KIND_DRIVEN == BodyKind::Driven as u32);
+    assert!(PALP_KIND_HOSTED == BodyKind::Hosted as u32);
+    assert!(PALP_PUSH_WITHOUT_LAG == Coupling::PUSH_WITHOUT_LAG);
+    assert!(PALP_PUSH_WITH_MASS == Coupling::PUSH_WITH_MASS);
+    assert!(PALP_EVENT_BEGIN == ContactEvent::BEGIN);
+    assert!(PALP_EVENT_STAY == ContactEvent::STAY);
+    assert!(PALP_EVENT_END == ContactEvent::END);
     assert!(PALP_SNAP_NEVER == Coupling::SNAP_NEVER);
     assert!(PALP_SNAP_WHEN_FREE == Coupling::SNAP_WHEN_FREE);
     assert!(PALP_MATERIAL_WOOD == Material::WOOD.0);
@@ -578,4 +686,5 @@ const _: () = {
     assert!(PALP_DRIVEN_CUT == DrivenReport::CUT);
     assert!(PALP_DRIVEN_OVERLAPS == DrivenReport::OVERLAPS);
     assert!(PALP_DRIVEN_POOL_FULL == DrivenReport::POOL_FULL);
+    assert!(PALP_DRIVEN_CONTACTS_FULL == DrivenReport::CONTACTS_FULL);
 };

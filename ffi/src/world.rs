@@ -61,7 +61,7 @@ pub unsafe extern "C" fn palp_memory_bytes(capacities: *const palp_capacities) -
 /// Call it as `palp_world_create`: the number in the symbol is `PALP_ABI`, so that a program built
 /// with another header does not link.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn palp_world_create_abi1(
+pub unsafe extern "C" fn palp_world_create_abi2(
     memory: *mut c_void,
     bytes: usize,
     capacities: *const palp_capacities,

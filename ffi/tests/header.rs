@@ -18,13 +18,14 @@ fn package() -> &'static Path {
 }
 
 /// The sources of exports, in the order of the header.
-const SOURCES: [&str; 14] = [
+const SOURCES: [&str; 15] = [
     "status.rs",
     "types.rs",
     "skeleton.rs",
     "world.rs",
     "materials.rs",
     "bodies.rs",
+    "hosted.rs",
     "pieces.rs",
     "chains.rs",
     "human.rs",
@@ -65,6 +66,7 @@ fn with_defaults(text: &str) -> String {
         literal(coupling.divergence_m),
         coupling.snap.to_string(),
         literal(coupling.grace_s),
+        coupling.push.to_string(),
     ];
     let options = ChainOptions::DEFAULT;
     let [x, y, z] = options.tip.map(literal);
@@ -155,6 +157,8 @@ int use_all(void) {
     palp_frame_input input = PALP_FRAME_INPUT_INIT;
     palp_frame_report report = PALP_FRAME_REPORT_INIT;
     palp_driven_state state = PALP_DRIVEN_STATE_INIT;
+    palp_hosted_input hosted = PALP_HOSTED_INPUT_INIT;
+    palp_hosted_state pushed = PALP_HOSTED_STATE_INIT;
     palp_penetration_result result = PALP_PENETRATION_RESULT_INIT;
     palp_body_id id = {0, 0};
     palp_world *world = NULL;
@@ -162,6 +166,7 @@ int use_all(void) {
     return (int)(pose.position.x + coupling.grace_s) + (int)(body.kind + piece.shape) +
            (int)(input.struct_size + report.flags + state.flags + id.index1 + result.contact_count) +
            (int)(joint.kind + options.method + chain.base.index1 + bent.flags) +
+           (int)(hosted.body.index1 + pushed.contacts) +
            palp_world_create(memory, 0, &room, &world);
 }
 ";

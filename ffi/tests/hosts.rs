@@ -3,6 +3,10 @@
 #[path = "common/arm.rs"]
 mod arm;
 mod common;
+#[path = "common/engine.rs"]
+mod engine;
+#[path = "common/hold.rs"]
+mod hold;
 #[path = "common/scene.rs"]
 mod scene;
 
@@ -11,6 +15,7 @@ use std::process::Command;
 use std::{env, fs};
 
 use common::{Compiler, Run, is_installed, library, package, scratch, skip};
+use palpable_kernel::state::bodies::Coupling;
 
 fn hash_line(hash: u64) -> String {
     format!("hash {hash:016x}\n")
@@ -46,6 +51,41 @@ fn the_arm_in_c_linked_either_way() {
     assert_eq!(Command::new(linked).run_clean(), expected);
     let linked = library().link_shared(Compiler::C99, "c/arm.c");
     assert_eq!(Command::new(linked).run_clean(), expected);
+}
+
+/// A program of `hosts/c` linked in every way that a host may choose.
+fn linked_in_every_way(source: &str) -> [std::path::PathBuf; 3] {
+    [
+        library().link_static(Compiler::C99, source),
+        library().link_shared(Compiler::C99, source),
+        library().link_static(Compiler::Cpp11, source),
+    ]
+}
+
+#[test]
+fn two_palms_hold_a_box_in_c_and_cpp() {
+    let ways = [Coupling::PUSH_WITHOUT_LAG, Coupling::PUSH_WITH_MASS];
+    let expected = ways.map(|push| hash_line(hold::hold(push)));
+    for program in linked_in_every_way("c/hold.c") {
+        let printed = Command::new(program).run_clean();
+        eprint!("{printed}");
+        let lines: Vec<_> = printed.split_inclusive('\n').collect();
+        assert_eq!(lines.len(), ways.len());
+        for (line, hash) in lines.iter().zip(&expected) {
+            assert!(line.contains(": kept, "), "{line}");
+            assert!(line.ends_with(hash), "{line}{hash}");
+        }
+    }
+}
+
+#[test]
+fn an_engine_of_the_hosts_own_in_c_and_cpp() {
+    let expected = hash_line(engine::engine());
+    for program in linked_in_every_way("c/engine.c") {
+        let printed = Command::new(program).run_clean();
+        eprint!("{printed}");
+        assert!(printed.ends_with(&expected), "{printed}{expected}");
+    }
 }
 
 #[test]
@@ -96,10 +136,12 @@ fn only_ours(preprocessed: &str) -> &str {
 
 #[test]
 fn bad_input_is_refused() {
-    for program in [
-        library().link_static(Compiler::C99, "c/refusals.c"),
-        library().link_static(Compiler::Cpp11, "c/refusals.c"),
-    ] {
+    let sources = ["c/refusals.c", "c/loose_refusals.c"];
+    for (source, compiler) in sources
+        .iter()
+        .flat_map(|source| [Compiler::C99, Compiler::Cpp11].map(|compiler| (source, compiler)))
+    {
+        let program = library().link_static(compiler, source);
         let printed = Command::new(program).run_clean();
         assert!(
             printed.ends_with(" refusals as they should be\n"),

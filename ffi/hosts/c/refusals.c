@@ -2,62 +2,11 @@
  * Everything that a host can get wrong through the header gets the status that the header says, and
  * leaves the world as it was. C99 and C++11. Exits with 1 at the first thing that is otherwise.
  */
-#include <math.h>
-#include <palpable.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "refusals.h"
 
-static int refusals = 0;
-static palp_world *world;
-
-static uint64_t hash_of(const palp_world *of) {
-    uint64_t hash = 0;
-    if (palp_state_hash(of, &hash) != PALP_OK) {
-        printf("palp_state_hash is refused\n");
-        exit(1);
-    }
-    return hash;
-}
-
-static void expect(palp_status got, palp_status wanted, const char *call, int line) {
-    if (got != wanted) {
-        printf("line %d: %s gave %d (%s) instead of %d (%s)\n", line, call, (int)got,
-               palp_status_text(got), (int)wanted, palp_status_text(wanted));
-        exit(1);
-    }
-    refusals += wanted < 0;
-}
-
-/* A refused call leaves no trace in the world. */
-#define REFUSED(wanted, call)                                                                      \
-    do {                                                                                           \
-        const uint64_t before = hash_of(world);                                                    \
-        expect(call, wanted, #call, __LINE__);                                                     \
-        if (hash_of(world) != before) {                                                            \
-            printf("line %d: %s changed the world\n", __LINE__, #call);                            \
-            exit(1);                                                                               \
-        }                                                                                          \
-    } while (0)
-
-#define FINE(call) expect(call, PALP_OK, #call, __LINE__)
-#define GIVES(wanted, call) expect(call, wanted, #call, __LINE__)
-#define TRUE(condition) expect((condition) ? PALP_OK : PALP_PANICKED, PALP_OK, #condition, __LINE__)
-
-static const palp_body_id null_body = {0, 0};
 static const palp_piece_id null_piece = {0, 0};
 static palp_body_id fixed, loose, hand;
 static palp_piece_id hand_piece;
-static char *memory;
-static size_t memory_bytes;
-
-/* An address that no type of the header may have. */
-#define CROOKED(type, buffer) ((type)(void *)((char *)(buffer) + 1))
-
-static void *aligned(void *start) {
-    const size_t past = (size_t)start % PALP_BLOCK_ALIGNMENT;
-    return (char *)start + (past == 0 ? 0 : PALP_BLOCK_ALIGNMENT - past);
-}
 
 static palp_capacities small_room(void) {
     palp_capacities room = PALP_CAPACITIES_ROOM;
@@ -145,6 +94,9 @@ static void attaching(void) {
     GIVES(PALP_MISALIGNED, palp_state_hash(CROOKED(palp_world *, copy), &hash));
 }
 
+/* Size of palp_body_def before couplings said how to push. */
+#define WITHOUT_PUSH offsetof(palp_body_def, coupling.push)
+
 static void bodies(void) {
     palp_body_def def = PALP_BODY_DEF_INIT;
     palp_body_def wrong;
@@ -154,6 +106,9 @@ static void bodies(void) {
     REFUSED(PALP_NULL, palp_body_add(world, &def, NULL));
     REFUSED(PALP_MISALIGNED, palp_body_add(world, CROOKED(const palp_body_def *, &def), &id));
     for (wrong = def, wrong.struct_size = 0; wrong.struct_size < sizeof def; wrong.struct_size++) {
+        if (wrong.struct_size == WITHOUT_PUSH) {
+            continue;
+        }
         REFUSED(PALP_BAD_STRUCT_SIZE, palp_body_add(world, &wrong, &id));
     }
     wrong.struct_size = UINT32_MAX;
@@ -175,6 +130,12 @@ static void bodies(void) {
     REFUSED(PALP_BAD_COUPLING, palp_body_add(world, &wrong, &id));
     wrong.coupling = def.coupling;
     wrong.coupling.snap = 7;
+    REFUSED(PALP_BAD_ENUM, palp_body_add(world, &wrong, &id));
+    wrong.coupling = def.coupling;
+    wrong.coupling.push = PALP_PUSH_WITH_MASS + 1;
+    REFUSED(PALP_BAD_ENUM, palp_body_add(world, &wrong, &id));
+    wrong = def;
+    wrong.kind = PALP_KIND_HOSTED + 1;
     REFUSED(PALP_BAD_ENUM, palp_body_add(world, &wrong, &id));
     TRUE(id.index1 == 0);
     REFUSED(PALP_STALE_BODY, palp_body_remove(world, null_body));
@@ -762,6 +723,10 @@ static void reading_chains(void) {
 static void older_structs(void) {
     palp_capacities room = small_room();
     palp_frame_input input = PALP_FRAME_INPUT_INIT;
+    palp_frame_report report = PALP_FRAME_REPORT_INIT;
+    palp_driven_state state = PALP_DRIVEN_STATE_INIT;
+    palp_body_def body = PALP_BODY_DEF_INIT;
+    palp_body_id id;
     const size_t with_chains = palp_memory_bytes(&room);
     room.struct_size = 28;
     TRUE(palp_memory_bytes(&room) < with_chains);
@@ -769,6 +734,19 @@ static void older_structs(void) {
     TRUE(palp_memory_bytes(&room) == 0);
     input.struct_size = 16;
     FINE(palp_frame_step(world, &input, NULL));
+    body.struct_size = WITHOUT_PUSH;
+    body.kind = PALP_KIND_DRIVEN;
+    body.coupling.push = 77;
+    FINE(palp_body_add(world, &body, &id));
+    FINE(palp_body_remove(world, id));
+    state.struct_size = offsetof(palp_driven_state, reaction_n);
+    state.reaction_n.x = 77.0f;
+    FINE(palp_driven_report(world, hand, &state));
+    TRUE(state.reaction_n.x == 77.0f);
+    report.struct_size = offsetof(palp_frame_report, events);
+    report.events = 77;
+    FINE(palp_frame_step(world, &input, &report));
+    TRUE(report.events == 77 && report.frame > 0);
     input.struct_size = 18;
     REFUSED(PALP_BAD_STRUCT_SIZE, palp_frame_step(world, &input, NULL));
 }

@@ -163,7 +163,7 @@ local bytes = tonumber(C.palp_memory_bytes(room))
 local memory = ffi.new("uint8_t[?]", bytes + P.BLOCK_ALIGNMENT)
 local past = tonumber(ffi.cast("uintptr_t", memory) % P.BLOCK_ALIGNMENT)
 local handle = ffi.new("palp_world *[1]")
-ok(C.palp_world_create_abi1(memory + (P.BLOCK_ALIGNMENT - past), bytes, room, handle))
+ok(C.palp_world_create_abi2(memory + (P.BLOCK_ALIGNMENT - past), bytes, room, handle))
 local world = handle[0]
 
 add_fixed_box(world, 0, 0.70, 0, { 0.6, 0.02, 0.4 })
