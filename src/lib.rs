@@ -77,6 +77,7 @@
 //! ```
 #![no_std]
 #![forbid(unsafe_code)]
+extern crate std;
 
 pub mod geometry;
 pub mod human;

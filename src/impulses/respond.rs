@@ -188,12 +188,33 @@ fn strike(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut Purse) 
     applied
 }
 
-/// Whether a row is the only one of its movable bodies.
-fn is_lone(rows: &[Row], first: &[u32], movers: &[Mover], index: usize) -> bool {
-    let row = &rows[index];
-    let mine = |body: u32, next: u32| first[body as usize] == index as u32 + 1 && next == 0;
-    mine(row.body_a, row.next_a)
-        && (!movers[row.body_b as usize].is_movable() || mine(row.body_b, row.next_b))
+/// Whether a row is the only one of its movable bodies, and those are spheres there: a ball that bounces or
+/// rolls, which is followed exactly. A lone corner of a polyhedron is soon not alone.
+fn is_lone(state: &State, rows: usize, index: usize) -> bool {
+    let row = &state.rows.rows[..rows][index];
+    let pair = &state.islands.pairs[row.pair as usize];
+    let only = |body: u32, next: u32, piece: u32| {
+        !state.rows.movers[body as usize].is_movable()
+            || (state.rows.first[body as usize] == index as u32 + 1
+                && next == 0
+                && state.pieces.shape[piece as usize].core_reach() == 0.0)
+    };
+    only(row.body_a, row.next_a, pair.a) && only(row.body_b, row.next_b, pair.b)
+}
+
+/// How far a gap is from closed, in metres; zero when it counts as closed.
+fn spare_m(row: &Row, lone: bool) -> f32 {
+    let closed = if lone {
+        row.gap <= 2.0 * GAP_FLOOR_M
+    } else {
+        gather::is_closed(row)
+    };
+    let rest = if lone {
+        1.5 * GAP_FLOOR_M
+    } else {
+        LOOSE_REST_M
+    };
+    if closed { 0.0 } else { row.gap - rest }
 }
 
 /// What an impact brings a row to.
@@ -202,20 +223,15 @@ fn is_lone(rows: &[Row], first: &[u32], movers: &[Mover], index: usize) -> bool 
 /// within the stretch at the most when it is slow, and is left alone until it meets when it is fast.
 fn aim_strike(state: &mut State, rows: usize, index: usize, stretch: &Stretch) {
     let row = state.rows.rows[index];
-    let lone = is_lone(
-        &state.rows.rows[..rows],
-        state.rows.first,
-        state.rows.movers,
-        index,
-    );
+    let lone = is_lone(state, rows, index);
     let velocity = problem(state, rows, stretch).relative_velocity(&row);
     touch::note_approach(state, &row, velocity);
     let least = bounce_least(state, lone, stretch);
     let giving = gives(state, row.body_b, stretch);
-    let fast = -velocity.dot(row.normal) > least;
-    let spare = row.gap - LOOSE_REST_M;
+    let spare = spare_m(&row, lone);
+    let fast = meets_fast(state, &row, velocity.dot(row.normal), lone, least);
     let row = &mut state.rows.rows[index];
-    if gather::is_closed(row) {
+    if spare == 0.0 {
         row.target = math::max(restoring(row.gap, stretch), 0.0);
         row.bounce = if giving { f32::INFINITY } else { least };
     } else if fast {
@@ -223,6 +239,19 @@ fn aim_strike(state: &mut State, rows: usize, index: usize, stretch: &Stretch) {
     } else {
         row.target = -spare / stretch.seconds();
     }
+}
+
+/// Whether a contact meets faster than what bounces: by its speed now, or for a lone one by what it will have
+/// fallen.
+fn meets_fast(state: &State, row: &Row, normal_velocity: f32, lone: bool, least: f32) -> bool {
+    let square = if lone {
+        let fall = math::max(-state.registers.gravity.dot(row.normal), 0.0);
+        normal_velocity * normal_velocity + 2.0 * fall * math::max(row.gap, 0.0)
+    } else {
+        let approach = math::max(-normal_velocity, 0.0);
+        approach * approach
+    };
+    square > least * least
 }
 
 /// Twice what gravity adds in a frame: slower impacts are a matter of one frame's fall. A lone contact is
@@ -371,18 +400,14 @@ fn level_out(state: &mut State, stretch: &Stretch) {
 /// rest gap at the most.
 fn aim_push(state: &mut State, rows: usize, index: usize, stretch: &Stretch) {
     let mut row = state.rows.rows[index];
-    let lone = is_lone(
-        &state.rows.rows[..rows],
-        state.rows.first,
-        state.rows.movers,
-        index,
-    );
+    let lone = is_lone(state, rows, index);
     let velocity = problem(state, rows, stretch).relative_velocity(&row);
     let begun = velocity.dot(row.normal);
     let least = bounce_least(state, lone, stretch);
-    let closed = gather::is_closed(&row);
+    let spare = spare_m(&row, lone);
     let bounced = lone && begun > 0.25 * least;
-    let meets_later = !closed && -begun > least;
+    let meets_later = spare > 0.0 && meets_fast(state, &row, begun, lone, least);
+    state.islands.pairs[row.pair as usize].bounced = u32::from(bounced);
     if gives(state, row.body_b, stretch) {
         let body = row.body_b as usize;
         row.prescribed = -planned_at(state, &row, stretch);
@@ -395,7 +420,7 @@ fn aim_push(state: &mut State, rows: usize, index: usize, stretch: &Stretch) {
         f32::NEG_INFINITY
     } else {
         let even = state.rows.even[row.body_a as usize] == 1;
-        push_target(&row, begun, even, stretch)
+        push_target(&row, spare, begun, even, stretch)
     };
     state.rows.rows[index] = row;
 }
@@ -421,13 +446,8 @@ fn planned(state: &State, body: usize, stretch: &Stretch) -> Vec3 {
     (wanted.translation() - here.translation()) / stretch.dt_s
 }
 
-fn push_target(row: &Row, begun: f32, even: bool, stretch: &Stretch) -> f32 {
+fn push_target(row: &Row, spare: f32, begun: f32, even: bool, stretch: &Stretch) -> f32 {
     let seconds = stretch.seconds();
-    let spare = if gather::is_closed(row) {
-        0.0
-    } else {
-        row.gap - LOOSE_REST_M
-    };
     let target = if even {
         -spare / seconds
     } else {

@@ -199,6 +199,7 @@ pub(super) fn measure(state: &mut State, index: usize, stretch: &Stretch) -> Opt
     pair.feature = feature;
     pair.gap = gap;
     pair.measured = 1;
+    pair.bounced = 0;
     pair.normal = pose_b.quat() * core.normal;
     Some(Measured {
         contacts,
@@ -252,9 +253,9 @@ fn start(state: &mut State, pairs: usize, stretch: &Stretch) {
 }
 
 /// The gap that a pair's way does not undercut. One that is closer already, because the host put it there,
-/// may come a hair closer: else it could not slide.
+/// may come a hair closer: else it could not slide. What bounces may not, or every bounce would go deeper.
 fn floor_m(pair: &Pair) -> f32 {
-    if pair.measured == 1 {
+    if pair.measured == 1 && pair.bounced == 0 {
         math::min(GAP_FLOOR_M, pair.gap - LOOSE_STEP_MIN_M)
     } else {
         GAP_FLOOR_M

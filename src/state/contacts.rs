@@ -35,6 +35,8 @@ pub(crate) struct Pair {
     pub bending_gap: f32,
     /// One when `gap` and `normal` were measured at the very pose that the leg starts from.
     pub measured: u32,
+    /// One while the pieces come apart after an impact.
+    pub bounced: u32,
     /// One when the other piece belongs to another island: it is kept clear of, and nothing more.
     pub foreign: u32,
 }
