@@ -19,6 +19,7 @@ use crate::state::chains::{
     ChainReport, End, chains_of, has_chains, joints_of, next_chain, place_links, slot_range,
 };
 use crate::state::contacts::PairsFull;
+use crate::state::islands::GiveWay;
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::purse::Purse;
 use crate::state::ways::{BodyTrack, Leg, Position, driven_at, piece_motion, piece_pose, track};
@@ -71,7 +72,7 @@ pub(crate) fn run(state: &mut State, budget: &Budget, report: &mut FrameReport) 
 /// the impulses say, and fixed bodies as ever.
 pub(crate) fn give_way(state: &mut State, budget: &Budget, report: &mut FrameReport) {
     for body in 0..state.registers.body_slots as usize {
-        if state.islands.gives[body].replans == 1 {
+        if state.islands.gives[body].replans == GiveWay::ASKED {
             let mut purses = Purses {
                 units: Purse::new(budget.advance_units - report.advance_units),
                 steps: Purse::new(budget.reach_steps - report.reach_steps),
@@ -83,7 +84,7 @@ pub(crate) fn give_way(state: &mut State, budget: &Budget, report: &mut FrameRep
             report.flags |= frame_flags(flags);
             report.advance_units += purses.units.spent();
             report.reach_steps += purses.steps.spent();
-            state.islands.gives[body].replans = 0;
+            state.islands.gives[body].replans = GiveWay::DONE;
             if state.registers.driven > 1 {
                 step_ahead(state, body);
             }

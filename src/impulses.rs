@@ -129,8 +129,12 @@ impl Loose {
 
     /// Moves an island to the end of the frame.
     pub(crate) fn run(&mut self, state: &mut State, mut island: Island, report: &mut FrameReport) {
-        if replanned(state, island.stretch.island as usize) {
+        if replanned(state, island.stretch.island as usize) && island.pairs.is_some() {
             sweep::begin(state, island.stretch.island);
+            island.pairs = None;
+            if !sweep::update(state, &island.stretch, &mut island.pairs) {
+                report.set(FrameReport::FULL_PAIRS);
+            }
         }
         let time = island.go(state, &mut self.purse, report);
         let label = island.stretch.island as usize;
@@ -155,7 +159,7 @@ impl Loose {
 /// Whether a driven body of an island planned its way again.
 fn replanned(state: &State, island: usize) -> bool {
     crate::state::islands::Members::of(state, island)
-        .any(|body| state.islands.gives[body].replans == 1)
+        .any(|body| state.islands.gives[body].replans == GiveWay::DONE)
 }
 
 impl Island {

@@ -11,7 +11,7 @@ use crate::state::State;
 use crate::state::bodies::{BodyKind, is_loose_kind};
 use crate::state::pieces::PiecesOf;
 use crate::state::rows::Mover;
-use crate::state::ways::{BodyTrack, driven_at, piece_motion};
+use crate::state::ways::{BodyTrack, driven_at, piece_motion, piece_pose};
 
 /// Angular velocity of a loose body in the world, in rad/s.
 pub(super) fn spin(state: &State, body: usize) -> Vec3 {
@@ -152,7 +152,9 @@ pub(super) fn piece_at(state: &State, piece: usize, stretch: &Stretch) -> Pose {
     if is_loose_kind(kind) {
         state.bodies.pose[body].then(&state.pieces.local[piece])
     } else if kind == BodyKind::Driven.code() {
-        piece_motion(state, piece, &driven_track(state, body, stretch)).at(0.0)
+        let stop = math::min(state.legs.stop_time[body], stretch.from);
+        let start = state.bodies.pose[body];
+        piece_pose(state, piece, &driven_at(state.legs.of(body), &start, stop))
     } else {
         state.pieces.world[piece]
     }

@@ -31,7 +31,7 @@ pub(super) fn run(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut
         begin_giving(state, stretch);
     }
     let mut impulses = 0;
-    for last in [false, false, true] {
+    for last in [false, false, false, true] {
         let answer = attempt(state, rows, last, stretch, purse);
         impulses += answer.impulses;
         if !answer.wedged {
@@ -145,13 +145,10 @@ fn attempt(
     Answer { impulses, wedged }
 }
 
-/// Has driven bodies give way, or stop in the middle of a frame; false when none can.
+/// Has driven bodies give way, or stop; false when all that push have. What stands still leaves every
+/// object a way to be.
 fn step_back(state: &mut State, rows: usize, stretch: &Stretch) -> bool {
-    if stretch.from == 0.0 {
-        raise(state, rows)
-    } else {
-        stop(state, rows, stretch)
-    }
+    (stretch.from == 0.0 && raise(state, rows)) || stop(state, rows, stretch)
 }
 
 fn copy_begun(state: &mut State, stretch: &Stretch) {
@@ -509,7 +506,7 @@ fn raise(state: &mut State, rows: usize) -> bool {
     raised
 }
 
-/// Stops the driven bodies that push, in the middle of a frame; false when all are.
+/// Stops the driven bodies that push; false when all are.
 fn stop(state: &mut State, rows: usize, stretch: &Stretch) -> bool {
     let mut stopped = false;
     for index in 0..rows {
@@ -520,6 +517,8 @@ fn stop(state: &mut State, rows: usize, stretch: &Stretch) -> bool {
             && state.legs.stop_time[body] > stretch.from
         {
             state.legs.stop_time[body] = stretch.from;
+            state.bodies.yielding[body].level = 0;
+            state.islands.gives[body].holds = 0;
             stopped = true;
         }
     }
@@ -578,7 +577,11 @@ fn give_way(state: &mut State, rows: usize, stretch: &Stretch) {
         let planned = planned(state, body, stretch);
         let moves = math::length(change) * stretch.dt_s > 0.5 * STEP_MIN_M;
         state.islands.gives[body] = GiveWay {
-            replans: u32::from(holds == 1 || moves || state.legs.count[body] == 0),
+            replans: if holds == 1 || moves || state.legs.count[body] == 0 {
+                GiveWay::ASKED
+            } else {
+                0
+            },
             holds,
             way: (planned + change) * stretch.dt_s,
         };

@@ -216,7 +216,7 @@ pub(super) struct Swept {
 
 /// Advances all pairs; how long everybody stays clear.
 pub(super) fn run(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mut Purse) -> Swept {
-    start(state, pairs, stretch);
+    start(state, pairs, stretch, purse);
     loop {
         let Some(next) = contacts::least_certified(&state.islands.pairs[..pairs]) else {
             return Swept {
@@ -235,13 +235,19 @@ pub(super) fn run(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mu
     }
 }
 
-/// How long the gaps that were measured at the start last at the most.
-fn start(state: &mut State, pairs: usize, stretch: &Stretch) {
+/// How long the gaps at the start last at the most. Pairs that are new are measured first.
+fn start(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mut Purse) {
+    for pair in &state.islands.pairs[..pairs] {
+        state.islands.way[pair.a as usize] = -1.0;
+        state.islands.way[pair.b as usize] = -1.0;
+    }
     for index in 0..pairs {
+        if state.islands.pairs[index].measured == 0 && purse.take() {
+            measure(state, index, stretch);
+        }
         let pair = state.islands.pairs[index];
-        let way = motion(state, pair.a as usize, stretch).way_m()
-            + motion(state, pair.b as usize, stretch).way_m();
-        let slack = pair.gap - floor_m(&pair);
+        let way = way_m(state, pair.a as usize, stretch) + way_m(state, pair.b as usize, stretch);
+        let slack = pair.gap - floor_m(&pair, stretch);
         state.islands.pairs[index].clear_until = if way < LOOSE_STILL_M {
             1.0
         } else if slack > 0.0 {
@@ -252,11 +258,24 @@ fn start(state: &mut State, pairs: usize, stretch: &Stretch) {
     }
 }
 
+fn way_m(state: &mut State, piece: usize, stretch: &Stretch) -> f32 {
+    if state.islands.way[piece] < 0.0 {
+        state.islands.way[piece] = motion(state, piece, stretch).way_m();
+    }
+    state.islands.way[piece]
+}
+
 /// The gap that a pair's way does not undercut. One that is closer already, because the host put it there,
-/// may come a hair closer: else it could not slide. What bounces may not, or every bounce would go deeper.
-fn floor_m(pair: &Pair) -> f32 {
-    if pair.measured == 1 && pair.bounced == 0 {
-        math::min(GAP_FLOOR_M, pair.gap - LOOSE_STEP_MIN_M)
+/// may come a hair closer, mostly once a frame: else it could not slide. What bounces may not, or every bounce would go deeper, and neither
+/// may what overlaps by more than the floor.
+fn floor_m(pair: &Pair, stretch: &Stretch) -> f32 {
+    if pair.measured == 1 && pair.bounced == 0 && pair.gap > -GAP_FLOOR_M {
+        let hair = if stretch.from == 0.0 {
+            LOOSE_STEP_MIN_M
+        } else {
+            LOOSE_STILL_M
+        };
+        math::min(GAP_FLOOR_M, pair.gap - hair)
     } else {
         GAP_FLOOR_M
     }
@@ -267,7 +286,7 @@ fn certify(state: &mut State, index: usize, stretch: &Stretch, time: f32) -> boo
     let pair = state.islands.pairs[index];
     let moving = moving_pair(state, &pair, stretch);
     let mut feature = pair.feature;
-    let found = moving.clear_until(time, floor_m(&pair), &mut feature, LOOSE_ACCURACY);
+    let found = moving.clear_until(time, floor_m(&pair, stretch), &mut feature, LOOSE_ACCURACY);
     let way = moving.motion_a.way_m() + moving.motion_b.way_m();
     let pair = &mut state.islands.pairs[index];
     pair.feature = feature;

@@ -13,12 +13,19 @@ use crate::state::pieces::Bounds;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct GiveWay {
-    /// One when the body's way is to be planned again.
+    /// Whether the body's way is to be planned again: one of the constants, or zero.
     pub replans: u32,
     /// One when its turn, its pieces and its links are to stay as they are.
     pub holds: u32,
     /// The root's way through the frame, in metres.
     pub way: Vec3,
+}
+
+impl GiveWay {
+    /// The way is to be planned again.
+    pub(crate) const ASKED: u32 = 1;
+    /// It was.
+    pub(crate) const DONE: u32 = 2;
 }
 
 columns! {
@@ -34,6 +41,8 @@ columns! {
         pairs: [Pair; capacities.pairs],
         /// Box around each piece's way, grown.
         swept: [Bounds; capacities.pieces],
+        /// How far any point of a piece goes in a stretch, in metres; negative while unknown.
+        way: [f32; capacities.pieces],
         /// Where the frame of a body's centre of mass is at the end of the stretch.
         goal: [Pose; capacities.bodies],
         /// Angular momentum at the end of the stretch, in kg m2/s.
