@@ -223,7 +223,11 @@ impl Island {
         if !sweep::update(state, &stretch, &mut self.pairs) {
             report.set(FrameReport::FULL_PAIRS);
         }
-        let swept = sweep::run(state, self.pairs?, &stretch, purse);
+        let mut swept = sweep::run(state, self.pairs?, &stretch, purse);
+        swept.reached = math::min(
+            swept.reached,
+            respond::holds_for(state, self.rows, &stretch),
+        );
         touch::note_forces(state, self.rows, stretch.seconds(), swept.reached);
         movers::advance(state, &stretch, swept.reached);
         self.stretch.from = if swept.reached >= 1.0 {

@@ -77,7 +77,6 @@
 //! ```
 #![no_std]
 #![forbid(unsafe_code)]
-extern crate std;
 
 pub mod geometry;
 pub mod human;

@@ -150,6 +150,13 @@ pub const LONE_BOUNCE_PART: f32 = 0.06;
 /// frame, in metres.
 pub const WEDGED_M: f32 = OVERLAP_SLOP_M;
 
+/// How far a body turns in a stretch of time while its contacts count as where they were found, in radians.
+pub const CONTACT_TURN_RAD: f32 = 0.25;
+
+/// The least share of a stretch that is gone at once nevertheless: what turns faster is not to use up the
+/// events of a frame.
+pub const CONTACT_SHARE_MIN: f32 = 0.125;
+
 /// Share by which the pressure on a held object is evened out in a frame.
 pub const GRIP_EVENED: f32 = 0.25;
 

@@ -13,8 +13,9 @@ use super::solver::{Order, Problem};
 use super::sweep::{prescribed, root_velocity};
 use super::{Stretch, cluster, gather, rest, touch};
 use crate::limits::{
-    BOUNCE_MIN, GAP_FLOOR_M, GAP_RESTORED, GRIP_EVENED, LONE_BOUNCE_MIN, LONE_BOUNCE_PART,
-    LOOSE_REST_M, RESIDUAL_PART, RESTORING_SPEED_MAX, STEP_MIN_M, WEDGED_M,
+    BOUNCE_MIN, CONTACT_SHARE_MIN, CONTACT_TURN_RAD, GAP_FLOOR_M, GAP_RESTORED, GRIP_EVENED,
+    LONE_BOUNCE_MIN, LONE_BOUNCE_PART, LOOSE_REST_M, RESIDUAL_PART, RESTORING_SPEED_MAX,
+    STEP_MIN_M, WEDGED_M,
 };
 use crate::math;
 use crate::state::bodies::{BodyKind, Coupling, is_loose_kind};
@@ -451,6 +452,24 @@ fn push_target(row: &Row, spare: f32, begun: f32, even: bool, stretch: &Stretch)
         math::min(-2.0 * spare / seconds - begun, 0.0)
     };
     math::max(target, restoring(row.gap, stretch))
+}
+
+/// The share of a stretch for which the contacts are where they were found: until a body that is pushed off
+/// its centre has turned by [`CONTACT_TURN_RAD`].
+pub(super) fn holds_for(state: &State, rows: usize, stretch: &Stretch) -> f32 {
+    let mut share = 1.0;
+    for row in &state.rows.rows[..rows] {
+        for (body, arm) in [(row.body_a, row.arm_a), (row.body_b, row.arm_b)] {
+            let mover = &state.rows.movers[body as usize];
+            let off_centre = arm.cross(row.normal) != Vec3::ZERO;
+            if mover.is_movable() && off_centre && row.impulse != Vec3::ZERO {
+                let turn = math::length(mover.spin) * stretch.seconds();
+                let angle = CONTACT_TURN_RAD;
+                share = math::min(share, angle / math::max(turn, angle));
+            }
+        }
+    }
+    math::max(share, CONTACT_SHARE_MIN)
 }
 
 /// The speed that takes some of an overlap away, which the host made: gently, for it feeds energy in.
