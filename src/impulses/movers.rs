@@ -89,6 +89,16 @@ fn angular_begun(state: &State, body: usize) -> Vec3 {
     angular_after(state, body, before, change)
 }
 
+/// The velocity that a body sets out with on its way through a stretch. At even speed it is the one at the
+/// end, though what changed it acts over the whole stretch.
+fn setting_out(state: &State, body: usize) -> Vec3 {
+    if state.rows.even[body] == 1 {
+        state.rows.movers[body].velocity
+    } else {
+        state.rows.begun[body].velocity
+    }
+}
+
 /// Writes down where a loose body is at the end of a stretch, given its motion at both ends: velocity and
 /// angular momentum change evenly in between.
 pub(super) fn aim(state: &mut State, body: usize, stretch: &Stretch) {
@@ -97,13 +107,13 @@ pub(super) fn aim(state: &mut State, body: usize, stretch: &Stretch) {
     let before = angular_begun(state, body);
     let after = angular_after(state, body, before, ended.spin - begun.spin);
     let seconds = stretch.seconds();
-    let way = (begun.velocity + ended.velocity) * (0.5 * seconds);
-    let turn = turned(
-        &state.bodies.mass[body],
-        from.quat(),
-        0.5 * (before + after),
-        seconds,
-    );
+    let mean = if state.rows.even[body] == 1 {
+        after
+    } else {
+        0.5 * (before + after)
+    };
+    let way = (setting_out(state, body) + ended.velocity) * (0.5 * seconds);
+    let turn = turned(&state.bodies.mass[body], from.quat(), mean, seconds);
     state.islands.angular[body] = after;
     state.islands.goal[body] = Pose::new(turn, from.translation() + way);
 }
@@ -141,7 +151,7 @@ fn loose_motion<'a>(state: &'a State, piece: usize, body: usize, stretch: &Stret
     if stopped {
         return motion;
     }
-    let gained = state.rows.movers[body].velocity - state.rows.begun[body].velocity;
+    let gained = state.rows.movers[body].velocity - setting_out(state, body);
     motion.bowed(gained * (0.5 * stretch.seconds()))
 }
 
@@ -211,8 +221,8 @@ fn advance_one(state: &mut State, body: usize, stretch: &Stretch, reached: f32) 
     let from = centre_pose(state, body);
     let goal = state.islands.goal[body];
     let (begun, ended) = (&state.rows.begun[body], &state.rows.movers[body]);
+    let bow = (ended.velocity - setting_out(state, body)) * (0.5 * stretch.seconds());
     let gained = ended.velocity - begun.velocity;
-    let bow = gained * (0.5 * stretch.seconds());
     let at = Track::between(from, goal)
         .at(reached)
         .moved(bow * (reached * reached - reached));

@@ -52,6 +52,7 @@ pub(super) fn ready(state: &mut State, stretch: &Stretch) {
     while let Some(body) = next {
         next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
         let made = mover(state, body, stretch.from);
+        state.rows.even[body] = 0;
         state.rows.movers[body] = made;
         state.rows.begun[body] = made;
     }
@@ -141,7 +142,6 @@ fn attempt(
     if !wedged {
         impulses += merge(state, rows, stretch);
         note_working(state, rows);
-        level_out(state, stretch);
     }
     Answer { impulses, wedged }
 }
@@ -377,17 +377,6 @@ fn note_working(state: &mut State, rows: usize) {
         let scale = math::length(row.impulse) * math::length(way);
         if row.prescribed == Vec3::ZERO && work > 1e-4 * scale {
             state.rows.even[a] = 1;
-        }
-    }
-}
-
-/// Has those bodies start the stretch as they end it.
-fn level_out(state: &mut State, stretch: &Stretch) {
-    let mut next = Some(stretch.island as usize);
-    while let Some(body) = next {
-        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
-        if state.rows.even[body] == 1 {
-            state.rows.begun[body] = state.rows.movers[body];
         }
     }
 }
