@@ -228,7 +228,7 @@ impl Island {
             swept.reached,
             respond::holds_for(state, self.rows, &stretch),
         );
-        touch::note_forces(state, self.rows, stretch.seconds(), swept.reached);
+        touch::note_forces(state, self.rows, &stretch, swept.reached);
         movers::advance(state, &stretch, swept.reached);
         self.stretch.from = if swept.reached >= 1.0 {
             stretch.to

@@ -525,8 +525,6 @@ fn stop(state: &mut State, rows: usize, stretch: &Stretch) -> bool {
             && state.legs.stop_time[body] > stretch.from
         {
             state.legs.stop_time[body] = stretch.from;
-            state.bodies.yielding[body].level = 0;
-            state.islands.gives[body].holds = 0;
             stopped = true;
         }
     }
@@ -594,7 +592,9 @@ fn give_way(state: &mut State, rows: usize, stretch: &Stretch) {
             way: (planned + change) * stretch.dt_s,
         };
         let (pushed, pressed) = pressure(state, rows, body);
-        let yields = change.dot(planned) < -0.2 * planned.length_squared();
+        // Along what pushes it: the rest of its way is not in question.
+        let yields = -change.dot(pushed) > YIELDS_FROM * planned.dot(pushed);
+        let pushed = pushed != Vec3::ZERO;
         state.bodies.yielding[body].level = match (pushed, pressed, yields) {
             (false, ..) => 0,
             (true, true, _) => 2,
@@ -604,12 +604,15 @@ fn give_way(state: &mut State, rows: usize, stretch: &Stretch) {
     }
 }
 
-/// Whether anything pushes a driven body, and whether its held pieces press.
-fn pressure(state: &State, rows: usize, body: usize) -> (bool, bool) {
-    let (mut pushed, mut pressed) = (false, false);
+/// A body that gives way by less than this part of what it wanted is let push without lag again.
+const YIELDS_FROM: f32 = 0.2;
+
+/// The normal impulses of a driven body on what it touches, and whether its held pieces press.
+fn pressure(state: &State, rows: usize, body: usize) -> (Vec3, bool) {
+    let (mut pushed, mut pressed) = (Vec3::ZERO, false);
     for row in &state.rows.rows[..rows] {
         if row.body_b as usize == body {
-            pushed |= row.impulse != Vec3::ZERO;
+            pushed += row.normal * row.impulse.dot(row.normal);
             pressed |= row.least > 0.0;
         }
     }

@@ -138,13 +138,21 @@ pub(super) fn note_approach(state: &mut State, row: &Row, velocity: Vec3) {
     touch.gap = row.gap;
 }
 
+/// The least share of a frame whose forces are worth remembering: in a shorter stretch they are what puts
+/// velocities right.
+const REMEMBERED_SHARE: f32 = 0.1;
+
 /// Books the forces of a stretch, which are in the rows' impulses and lasted for the share `reached`.
-pub(super) fn note_forces(state: &mut State, rows: usize, seconds: f32, reached: f32) {
+pub(super) fn note_forces(state: &mut State, rows: usize, stretch: &Stretch, reached: f32) {
+    let seconds = stretch.seconds();
+    let lasts = seconds > REMEMBERED_SHARE * stretch.dt_s;
     for index in 0..rows {
         let row = state.rows.rows[index];
         if let Some(index) = row.touch.checked_sub(1) {
             let touch = &mut state.touches.touches[index as usize];
-            touch.force = row.impulse / seconds;
+            if lasts {
+                touch.force = row.impulse / seconds;
+            }
             touch.impulse += row.impulse * reached;
         }
     }

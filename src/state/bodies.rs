@@ -56,7 +56,8 @@ impl Coupling {
     pub const SNAP_WHEN_FREE: u32 = 1;
     /// The body pushes what is free as if it had no end of mass: without lag.
     pub const PUSH_WITHOUT_LAG: u32 = 0;
-    /// The body pushes with the mass of its spring, and gives way to what is heavy.
+    /// The body pushes with the mass of its spring, and gives way to what is heavy, from the frame after the
+    /// first touch on. What it hits in the middle of a frame it hits without giving way.
     pub const PUSH_WITH_MASS: u32 = 1;
     /// Critically damped, settles in about 0.1 s, reports as detached beyond 0.3 m.
     pub const DEFAULT: Self = Self {
