@@ -4,7 +4,7 @@
 mod host;
 
 use glam::DVec3;
-use host::{FRAME_S, Form, Host, OVERLAP_M, TABLE_M, block, place};
+use host::{FRAME_S, Form, Host, OVERLAP_M, TABLE_M, Takes, block, place};
 use palpable::math::Pose;
 
 /// Frames of a second.
@@ -48,7 +48,7 @@ fn assert_apart(host: &Host, frame: u32, palm: usize, loose: usize) {
 /// body went, and its gap to the palm at the end, in metres.
 fn push(form: Form, half: f32) -> (f64, f64) {
     let mut memory = block();
-    let mut host = Host::new(&mut memory);
+    let mut host = Host::new(&mut memory, Takes::Impulse);
     let at = Pose::at(0.0, TABLE_M + half + 0.0005, 0.0);
     let body = host.add_loose(form, 0.3, at);
     let start = [-0.12, TABLE_M + 0.07, 0.0];
@@ -96,7 +96,7 @@ fn on_palm(host: &Host, palm: usize, body: usize) -> DVec3 {
 #[test]
 fn a_box_of_the_engine_is_lifted_and_carried() {
     let mut memory = block();
-    let mut host = Host::new(&mut memory);
+    let mut host = Host::new(&mut memory, Takes::Impulse);
     let start = [0.0, TABLE_M + 0.02, 0.0];
     let palm = host.add_palm(OPEN, Pose::at(start[0], start[1], start[2]));
     let at = Pose::at(0.0, start[1] + 0.01 + 0.05 + 0.001, 0.0);
@@ -138,14 +138,18 @@ fn throw(host: &mut Host, [palm, body]: [usize; 2], start: DVec3, speed: DVec3) 
         host.step();
         assert_apart(host, frame, palm, body);
     }
-    println!("{:?} m/s, {:.3} mm", host.velocity(body), 1e3 * host.gap_m(palm, body));
+    println!(
+        "{:?} m/s, {:.3} mm",
+        host.velocity(body),
+        1e3 * host.gap_m(palm, body)
+    );
     host.velocity(body)
 }
 
 #[test]
 fn a_box_of_the_engine_is_thrown_upwards() {
     let mut memory = block();
-    let mut host = Host::new(&mut memory);
+    let mut host = Host::new(&mut memory, Takes::Impulse);
     let start = DVec3::new(0.0, 1.0, 0.0);
     let palm = host.add_palm(OPEN, Pose::at(0.0, 1.0, 0.0));
     let at = Pose::at(0.0, 1.0 + 0.01 + 0.05 + 0.0003, 0.0);
@@ -163,7 +167,7 @@ fn a_box_of_the_engine_is_thrown_upwards() {
 #[test]
 fn a_ball_of_the_engine_is_thrown_along_the_table() {
     let mut memory = block();
-    let mut host = Host::new(&mut memory);
+    let mut host = Host::new(&mut memory, Takes::Impulse);
     let start = DVec3::new(-0.062, f64::from(TABLE_M) + 0.07, 0.0);
     let palm = host.add_palm(UPRIGHT, Pose::at(-0.062, TABLE_M + 0.07, 0.0));
     let at = Pose::at(0.0, TABLE_M + 0.05, 0.0);
@@ -173,9 +177,43 @@ fn a_ball_of_the_engine_is_thrown_along_the_table() {
 }
 
 #[test]
-fn two_palms_squeeze_a_box_of_the_engine_and_carry_it() {
+fn a_box_of_the_engine_rests_on_a_still_palm() {
     let mut memory = block();
-    let mut host = Host::new(&mut memory);
+    let mut host = Host::new(&mut memory, Takes::Impulse);
+    let rest = Pose::at(0.0, 1.0, 0.0);
+    let palm = host.add_palm(OPEN, rest);
+    let at = Pose::at(0.0, 1.0 + 0.01 + 0.05 + 0.001, 0.0);
+    let body = host.add_loose(Form::Box(CUBE), 0.5, at);
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for frame in 1..=3 * SECOND {
+        host.track(palm, &rest);
+        host.step();
+        assert_apart(&host, frame, palm, body);
+        if frame > SECOND {
+            assert_eq!(host.palm(palm), rest, "frame {frame}");
+            let at = place(&host.pose(body));
+            (low, high) = (low.min(at), high.max(at));
+        }
+    }
+    let jitter = high - low;
+    assert!(jitter.max_element() < 1e-4, "{jitter:?}");
+    assert!(host.gap_m(palm, body) < 2e-3);
+}
+
+#[test]
+fn two_palms_squeeze_a_box_of_the_engine_and_carry_it() {
+    squeeze_and_carry(Takes::Impulse);
+}
+
+#[test]
+fn a_squeezed_box_of_the_engine_keeps_to_the_way_that_the_kernel_foresaw() {
+    squeeze_and_carry(Takes::Way);
+}
+
+/// Two palms squeeze a box by 10 mm at each side and lift it by 0.2 m.
+fn squeeze_and_carry(takes: Takes) {
+    let mut memory = block();
+    let mut host = Host::new(&mut memory, takes);
     let height = TABLE_M + 0.05;
     let body = host.add_loose(Form::Box(CUBE), 0.5, Pose::at(0.0, height, 0.0));
     // Faces 20 mm from the box.
@@ -209,28 +247,4 @@ fn two_palms_squeeze_a_box_of_the_engine_and_carry_it() {
             assert!(lag.abs() < 5e-3 && at.x.abs() < 5e-3, "{told}");
         }
     }
-}
-
-#[test]
-fn a_box_of_the_engine_rests_on_a_still_palm() {
-    let mut memory = block();
-    let mut host = Host::new(&mut memory);
-    let rest = Pose::at(0.0, 1.0, 0.0);
-    let palm = host.add_palm(OPEN, rest);
-    let at = Pose::at(0.0, 1.0 + 0.01 + 0.05 + 0.001, 0.0);
-    let body = host.add_loose(Form::Box(CUBE), 0.5, at);
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for frame in 1..=3 * SECOND {
-        host.track(palm, &rest);
-        host.step();
-        assert_apart(&host, frame, palm, body);
-        if frame > SECOND {
-            assert_eq!(host.palm(palm), rest, "frame {frame}");
-            let at = place(&host.pose(body));
-            (low, high) = (low.min(at), high.max(at));
-        }
-    }
-    let jitter = high - low;
-    assert!(jitter.max_element() < 1e-4, "{jitter:?}");
-    assert!(host.gap_m(palm, body) < 2e-3);
 }
