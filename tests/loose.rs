@@ -369,15 +369,21 @@ fn run_into(push: u32) -> (f64, f64) {
 }
 
 #[test]
-fn a_hand_with_a_mass_lags_where_one_without_does_not() {
+fn a_hand_that_pushes_without_lag_equals_its_target() {
     let (behind, fastest) = run_into(Coupling::PUSH_WITHOUT_LAG);
     assert_eq!(behind, 0.0);
     assert!((fastest - 1.0).abs() < 0.02, "{fastest}");
+}
+
+#[test]
+fn a_hand_that_pushes_with_its_mass_lags_behind_its_target() {
+    // After the impact, both go on at half the speed; the spring between the tracker and the two masses of
+    // 0.4 kg then lets them fall behind by v / 2w e^-at sin(wt) = 6.4 mm (a = w = 25 / s, wt = pi / 4), with
+    // the coupling's mass counted up to twice (`held_mass_kg` in the kernel) by less.
     let (behind, fastest) = run_into(Coupling::PUSH_WITH_MASS);
-    // An impact takes up to half its speed, which its spring takes 20 ms to give back: some millimetres.
-    assert!((1e-3..0.02).contains(&behind), "{behind}");
-    // The spring then brings both to the tracker's speed and, with two masses to one damping, a little past it.
-    assert!((0.9..1.4).contains(&fastest), "{fastest}");
+    assert!((1e-3..0.02).contains(&behind), "{behind} m behind");
+    // The spring brings both up to the tracker's speed, and a little past it.
+    assert!((0.9..1.4).contains(&fastest), "{fastest} m/s");
 }
 
 #[test]
