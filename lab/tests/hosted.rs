@@ -244,7 +244,8 @@ fn squeeze_and_carry(takes: Takes) {
             let lag = before + f64::from(up) - at.y;
             let told = format!("frame {frame}: gaps {gaps:?}, body at {at:?}, {lag} below");
             assert!(gaps.iter().all(|&gap| gap < 1e-3), "{told}");
-            assert!(lag.abs() < 5e-3 && at.x.abs() < 5e-3, "{told}");
+            // The springs hold it sideways for as long as both palms are kept from their targets.
+            assert!(lag.abs() < 5e-3 && at.x.abs() < 0.01, "{told}");
         }
     }
 }
