@@ -132,7 +132,7 @@ enum Measured {
         /// Seed of the random impacts and of the heap.
         #[arg(long, default_value_t = 1)]
         seed: u64,
-        /// Where accuracy-impulses.json and the figure go.
+        /// Where accuracy-impulses.json and the figures go.
         #[arg(long, default_value = "out")]
         out: PathBuf,
     },
@@ -266,7 +266,7 @@ fn accuracy_of_impulses(
     println!("{}", accuracy::impulses::tables(&found));
     println!("\n{}", accuracy::impulses::failures(&found));
     accuracy::impulses::write(&found, out)?;
-    println!("wrote {}", out.join("accuracy-impulses.svg").display());
+    println!("wrote {}", out.join("accuracy-impulses.json").display());
     Ok(())
 }
 

@@ -4,6 +4,7 @@
 use palpable_lab::accuracy::impulses::cradle::{GAPS_M, VELOCITY_BOUND_M_S, largest_off_m_s};
 use palpable_lab::accuracy::impulses::engine::{RATES_HZ, Setup, Subject};
 use palpable_lab::accuracy::impulses::impacts::{RISE_BOUND, impacts, scene};
+use palpable_lab::accuracy::impulses::orders::{ORDERS, Posed};
 use palpable_lab::accuracy::impulses::piles::{
     CREEP_BOUND_M, OVERLAP_BOUND_M, heap, stack_creep_m,
 };
@@ -11,7 +12,7 @@ use palpable_lab::accuracy::impulses::robust::{self, Hard, rise};
 use palpable_lab::accuracy::impulses::row::{Case, Row};
 use palpable_lab::accuracy::impulses::slope::{self, Tilted, creep_m};
 use palpable_lab::accuracy::impulses::{
-    ImpulsePlan, bounce, coupling, error_time_svg, failures, glide, run, tables, tumble,
+    ImpulsePlan, bounce, coupling, error_time_svg, failures, glide, orders_svg, run, tables, tumble,
 };
 
 const SEED: u64 = 1;
@@ -283,6 +284,15 @@ fn a_run_is_told_in_tables_and_a_figure() {
             assert!(of_case.clone().any(|row| row.subject == subject));
         }
     }
+    for posed in Posed::ALL {
+        assert!(text.contains(posed.name()), "{posed:?} is missing");
+    }
+    let svg = orders_svg(&found.orders);
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let lines = document
+        .descendants()
+        .filter(|n| n.has_tag_name("polyline"));
+    assert!(lines.count() >= Posed::ALL.len() * ORDERS.len());
     let svg = error_time_svg(&found);
     let document = roxmltree::Document::parse(&svg).unwrap();
     let dots = document.descendants().filter(|n| n.has_tag_name("circle"));

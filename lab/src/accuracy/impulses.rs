@@ -13,6 +13,8 @@ pub mod fit;
 pub mod glide;
 pub mod impacts;
 pub mod kernel;
+pub mod orders;
+mod orders_figure;
 mod panel;
 pub mod peer;
 pub mod piles;
@@ -31,10 +33,12 @@ use serde::Serialize;
 
 use crate::report::Machine;
 use engine::{RATES_HZ, Setup, Subject};
+use orders::OrderCurve;
 use piles::PileTimes;
 use row::{Case, Row};
 
 pub use figure::error_time_svg;
+pub use orders_figure::orders_svg;
 pub use table::{failures, tables};
 
 /// What to measure.
@@ -77,7 +81,11 @@ impl ImpulsePlan {
             _ => RATES_HZ.len(),
         };
         let runs: usize = self.cases().map(at_rates).sum();
-        (runs * Subject::ALL.len()) as u64
+        (runs * Subject::ALL.len() + usize::from(self.has_orders())) as u64
+    }
+
+    fn has_orders(&self) -> bool {
+        self.only.is_none_or(|only| only == Case::Orders)
     }
 
     fn cases(&self) -> impl Iterator<Item = Case> {
@@ -96,6 +104,8 @@ pub struct ImpulseAccuracy {
     pub seed: u64,
     /// One per quantity, rate and engine.
     pub rows: Vec<Row>,
+    /// The solver's orders on problems of their own; none when they were not asked for.
+    pub orders: Vec<OrderCurve>,
 }
 
 /// Measures all cases; `tick` is called after each case of an engine at a rate.
@@ -119,10 +129,16 @@ pub fn run(plan: &ImpulsePlan, mut tick: impl FnMut()) -> ImpulseAccuracy {
             }
         }
     }
+    let mut curves = vec![];
+    if plan.has_orders() {
+        curves = orders::curves();
+        tick();
+    }
     ImpulseAccuracy {
         machine: Machine::detect(),
         seed: plan.seed,
         rows,
+        orders: curves,
     }
 }
 
@@ -141,12 +157,13 @@ fn at_rate(plan: &ImpulsePlan, case: Case, setup: &Setup) -> Vec<Row> {
         Case::Tumble => tumble::rows(setup, plan.tumbling_steps),
         Case::Coupling => coupling::rows(setup),
         Case::Impacts => impacts::rows(setup, plan.seed, plan.impacts),
-        Case::Robustness => vec![],
+        Case::Robustness | Case::Orders => vec![],
         Case::Piles => piles::rows(setup, plan.seed, times),
     }
 }
 
-/// Writes `accuracy-impulses.json` and `accuracy-impulses.svg` into `out_dir`, creating it if needed.
+/// Writes `accuracy-impulses.json` into `out_dir`, creating it if needed, and the figures of what was
+/// measured, `accuracy-impulses.svg` and `accuracy-impulses-orders.svg`.
 ///
 /// # Errors
 /// The first file-system error.
@@ -154,6 +171,13 @@ pub fn write(accuracy: &ImpulseAccuracy, out_dir: &Path) -> io::Result<()> {
     let json = serde_json::to_string(accuracy).map_err(io::Error::other)?;
     std::fs::create_dir_all(out_dir)?;
     std::fs::write(out_dir.join("accuracy-impulses.json"), json + "\n")?;
+    if !accuracy.orders.is_empty() {
+        let svg = orders_svg(&accuracy.orders);
+        std::fs::write(out_dir.join("accuracy-impulses-orders.svg"), svg)?;
+    }
+    if accuracy.rows.is_empty() {
+        return Ok(());
+    }
     let svg = error_time_svg(accuracy);
     std::fs::write(out_dir.join("accuracy-impulses.svg"), svg)
 }

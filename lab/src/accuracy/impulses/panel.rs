@@ -25,7 +25,7 @@ pub(super) const SMALL: f64 = 11.0;
 pub(super) const NORMAL: f64 = 13.0;
 pub(super) const INK: RGBColor = RGBColor(0x22, 0x27, 0x2E);
 pub(super) const QUIET: RGBColor = RGBColor(0x5C, 0x66, 0x70);
-const GRID: RGBColor = RGBColor(0xD3, 0xD8, 0xDD);
+pub(super) const GRID: RGBColor = RGBColor(0xD3, 0xD8, 0xDD);
 
 /// Errors below this are drawn as this: f32 has no more.
 const LEAST: f64 = 1e-9;

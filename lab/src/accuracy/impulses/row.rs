@@ -29,10 +29,12 @@ pub enum Case {
     Robustness,
     /// A heap and a stack of boxes.
     Piles,
+    /// The order in which the kernel's solver gives impulses, beside no other engine.
+    Orders,
 }
 
 impl Case {
-    /// All of them.
+    /// All that engines are compared by.
     pub const ALL: [Self; 10] = [
         Self::Bounce,
         Self::Slide,
@@ -59,6 +61,7 @@ impl Case {
             Self::Impacts => "impacts",
             Self::Robustness => "robustness",
             Self::Piles => "piles",
+            Self::Orders => "orders",
         }
     }
 }

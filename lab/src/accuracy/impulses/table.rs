@@ -4,6 +4,7 @@ use comfy_table::{Cell, CellAlignment, ContentArrangement, LineStyle, Table, pre
 
 use super::ImpulseAccuracy;
 use super::engine::Subject;
+use super::orders;
 use super::row::{Case, Judged, Quantity, Row};
 
 /// What stands where there is nothing to measure.
@@ -24,6 +25,11 @@ pub fn tables(found: &ImpulseAccuracy) -> String {
         if !rows.is_empty() {
             parts.push(format!("{}\n{}", case.name(), of_case(&rows)));
         }
+    }
+    if !found.orders.is_empty() {
+        let told =
+            "orders: fastest approach left, in mm/s, after so many impulses; ✓: none that counts";
+        parts.push(format!("{told}\n{}", orders::table(&found.orders)));
     }
     parts.join("\n\n")
 }
