@@ -36,6 +36,9 @@ pub(super) fn run(
             break;
         }
     }
+    if state.rows.rows[..count].iter().any(|row| row.touch == 0) {
+        report.set(FrameReport::FULL_CONTACTS);
+    }
     let mark = &mut state.registers.high_water.contacts;
     *mark = (*mark).max(count as u32);
     Some(count)

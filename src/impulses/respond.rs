@@ -100,7 +100,10 @@ fn problem<'s>(state: &'s mut State, rows: usize, stretch: &Stretch) -> Problem<
 
 /// Whether a driven body takes part with a mass in this stretch.
 fn gives(state: &State, body: u32, stretch: &Stretch) -> bool {
-    stretch.from == 0.0 && is_driven(state, body) && state.bodies.yielding[body as usize].level > 0
+    stretch.from == 0.0
+        && is_driven(state, body)
+        && state.bodies.yielding[body as usize].level > 0
+        && state.legs.stop_time[body as usize] > stretch.from
 }
 
 /// What an attempt came to.
