@@ -114,6 +114,9 @@ pub const LOOSE_ACCURACY: f32 = 0.05;
 /// lies between the rest gap and the floor: shorter steps cost queries and gain nothing that is seen.
 pub const LOOSE_STEP_MIN_M: f32 = 0.05 * OVERLAP_SLOP_M;
 
+/// Loose bodies that overlap by more than this come no closer at all, in metres.
+pub const LOOSE_DEEP_M: f32 = 0.5 * OVERLAP_SLOP_M;
+
 /// A pair of loose bodies that comes no nearer than this in a stretch is not looked at, in metres.
 pub const LOOSE_STILL_M: f32 = 0.005 * OVERLAP_SLOP_M;
 
@@ -169,8 +172,11 @@ pub const STILL_SPEED: f32 = 0.01;
 /// A loose body that has been still for this long sleeps, in seconds.
 pub const SLEEP_S: f32 = 0.5;
 
-/// Share of a loose contact's overlap that is taken away each frame.
+/// Most share of a loose contact's overlap that is taken away in a frame.
 pub const GAP_RESTORED: f32 = 0.2;
+
+/// The share in a second, of short frames: how fast it goes does not depend on the frame rate.
+pub const GAP_RESTORED_PER_S: f32 = 15.0;
 
 /// Most speed that taking overlap away may add, in m/s: overlap that the host made goes away gently.
 pub const RESTORING_SPEED_MAX: f32 = 0.05;

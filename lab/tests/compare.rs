@@ -67,12 +67,13 @@ fn a_trapped_ball_is_still() {
 
 #[test]
 fn two_hands_hold_a_box() {
-    keeps(Scene::Squeeze, &[DROPPED, HELD, JITTER]);
+    // Stillness is scored by `compare`: not every tracker has it.
+    keeps(Scene::Squeeze, &[DROPPED, HELD]);
 }
 
 #[test]
 fn two_hands_carry_a_box() {
-    keeps(Scene::Carry, &[DROPPED, HELD, JITTER]);
+    keeps(Scene::Carry, &[DROPPED, HELD]);
 }
 
 #[test]

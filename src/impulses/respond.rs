@@ -13,9 +13,9 @@ use super::solver::{Order, Problem};
 use super::sweep::{prescribed, root_velocity};
 use super::{Stretch, cluster, gather, rest, touch};
 use crate::limits::{
-    BOUNCE_MIN, CONTACT_SHARE_MIN, CONTACT_TURN_RAD, GAP_FLOOR_M, GAP_RESTORED, GRIP_EVENED,
-    LONE_BOUNCE_MIN, LONE_BOUNCE_PART, LOOSE_REST_M, RESIDUAL_PART, RESTORING_SPEED_MAX,
-    STEP_MIN_M, WEDGED_M,
+    BOUNCE_MIN, CONTACT_SHARE_MIN, CONTACT_TURN_RAD, GAP_FLOOR_M, GAP_RESTORED, GAP_RESTORED_PER_S,
+    GRIP_EVENED, LONE_BOUNCE_MIN, LONE_BOUNCE_PART, LOOSE_REST_M, RESIDUAL_PART,
+    RESTORING_SPEED_MAX, STEP_MIN_M, WEDGED_M,
 };
 use crate::math;
 use crate::state::bodies::{BodyKind, Coupling, is_loose_kind};
@@ -395,7 +395,7 @@ fn aim_push(state: &mut State, rows: usize, index: usize, stretch: &Stretch) {
     let begun = velocity.dot(row.normal);
     let least = bounce_least(state, lone, stretch);
     let spare = spare_m(&row, lone);
-    let bounced = lone && begun > 0.25 * least;
+    let bounced = lone && row.gap >= 0.0 && begun > 0.25 * least;
     let meets_later = spare > 0.0 && meets_fast(state, &row, begun, lone, least);
     state.islands.pairs[row.pair as usize].bounced = u32::from(bounced);
     if gives(state, row.body_b, stretch) {
@@ -469,7 +469,8 @@ fn restoring(gap: f32, stretch: &Stretch) -> f32 {
     if gap >= 0.0 {
         return f32::NEG_INFINITY;
     }
-    math::min(-gap * GAP_RESTORED / stretch.dt_s, RESTORING_SPEED_MAX)
+    let rate = math::min(GAP_RESTORED_PER_S, GAP_RESTORED / stretch.dt_s);
+    math::min(-gap * rate, RESTORING_SPEED_MAX)
 }
 
 /// Gravity and the host's forces over a stretch.

@@ -10,7 +10,7 @@ use crate::geometry::motion::Track;
 use crate::geometry::separation::core_gap_from;
 use crate::geometry::time_of_contact::MovingPair;
 use crate::limits::{
-    GAP_FLOOR_M, LOOSE_ACCURACY, LOOSE_MARGIN_M, LOOSE_STEP_MIN_M, LOOSE_STILL_M,
+    GAP_FLOOR_M, LOOSE_ACCURACY, LOOSE_DEEP_M, LOOSE_MARGIN_M, LOOSE_STEP_MIN_M, LOOSE_STILL_M,
     MANIFOLD_CONTACTS_MAX, PAIR_MARGIN_M,
 };
 use crate::math::{self, Pose};
@@ -247,7 +247,7 @@ fn start(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mut Purse) 
         }
         let pair = state.islands.pairs[index];
         let way = way_m(state, pair.a as usize, stretch) + way_m(state, pair.b as usize, stretch);
-        let slack = pair.gap - floor_m(&pair, stretch);
+        let slack = pair.gap - floor_m(state, &pair, stretch);
         state.islands.pairs[index].clear_until = if way < LOOSE_STILL_M {
             1.0
         } else if slack > 0.0 {
@@ -267,9 +267,14 @@ fn way_m(state: &mut State, piece: usize, stretch: &Stretch) -> f32 {
 
 /// The gap that a pair's way does not undercut. One that is closer already, because the host put it there,
 /// may come a hair closer, mostly once a frame: else it could not slide. What bounces may not, or every bounce would go deeper, and neither
-/// may what overlaps by more than the floor.
-fn floor_m(pair: &Pair, stretch: &Stretch) -> f32 {
-    if pair.measured == 1 && pair.bounced == 0 && pair.gap > -GAP_FLOOR_M {
+/// may what overlaps by more than [`LOOSE_DEEP_M`], unless the host's engine has a hand in it.
+fn floor_m(state: &State, pair: &Pair, stretch: &Stretch) -> f32 {
+    let kind_of = |piece: u32| state.pieces.body_kind[piece as usize];
+    let hosted = [pair.a, pair.b]
+        .map(kind_of)
+        .contains(&BodyKind::Hosted.code());
+    let may = hosted || pair.gap > -LOOSE_DEEP_M;
+    if pair.measured == 1 && pair.bounced == 0 && may {
         let hair = if stretch.from == 0.0 {
             LOOSE_STEP_MIN_M
         } else {
@@ -286,7 +291,12 @@ fn certify(state: &mut State, index: usize, stretch: &Stretch, time: f32) -> boo
     let pair = state.islands.pairs[index];
     let moving = moving_pair(state, &pair, stretch);
     let mut feature = pair.feature;
-    let found = moving.clear_until(time, floor_m(&pair, stretch), &mut feature, LOOSE_ACCURACY);
+    let found = moving.clear_until(
+        time,
+        floor_m(state, &pair, stretch),
+        &mut feature,
+        LOOSE_ACCURACY,
+    );
     let way = moving.motion_a.way_m() + moving.motion_b.way_m();
     let pair = &mut state.islands.pairs[index];
     pair.feature = feature;

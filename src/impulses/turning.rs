@@ -51,6 +51,9 @@ pub(super) fn turned(mass: &BodyMass, from: Quat, angular: Vec3, seconds: f32) -
         None => step_by_step(mass, start, angular, energy, seconds),
     };
     let scale = 1.0 / math::sqrt_f64(q.length_squared());
+    if !scale.is_finite() {
+        return from;
+    }
     Quat::from_xyzw(
         (q.x * scale) as f32,
         (q.y * scale) as f32,

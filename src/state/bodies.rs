@@ -117,6 +117,9 @@ impl BodyMass {
     /// The angular velocity that goes with an angular momentum, both in the world, of a body turned by
     /// `rotation`.
     pub(crate) fn spin(&self, rotation: DQuat, angular: DVec3) -> DVec3 {
+        if angular == DVec3::ZERO {
+            return DVec3::ZERO;
+        }
         let axes = rotation * Quat::from_array(self.axes).as_dquat();
         // Of whatever length the quaternion is by rounding.
         let square = axes.length_squared();

@@ -170,6 +170,11 @@ impl World<'_> {
     /// What the kernel's bodies did to a hosted body in the last frame. The host's engine is to apply it
     /// before its own step.
     ///
+    /// The kernel foresees that gravity acts at once, at the start of the step, as the impulse does. An
+    /// engine that spreads gravity over substeps lifts a held body by up to half of g times the square of
+    /// the step; it is better to switch gravity off for a body that was touched, and to add its weight
+    /// times the step to the impulse.
+    ///
     /// # Errors
     /// [`BodyError::Stale`], [`BodyError::WrongKind`].
     pub fn hosted_impulse(&self, id: BodyId) -> Result<HostedImpulse, BodyError> {
