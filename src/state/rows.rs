@@ -29,7 +29,7 @@ impl Mover {
     }
 
     /// What the body adds to the matrix K that turns an impulse at `arm` into a change of velocity there
-    /// (Mirtich 1996, equation 8): 1/m - [r] I^-1 [r], with [r] the cross-product matrix.
+    /// (Mirtich 1996, equation 8): 1/m - R I^-1 R, with R the cross-product matrix of the arm.
     #[must_use]
     pub fn mobility(&self, arm: Vec3) -> Mat3 {
         let cross = Mat3::from_cols(
