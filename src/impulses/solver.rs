@@ -10,7 +10,7 @@
 //!   back what is too much; a contact that sticks is held in both directions of its plane.
 //!
 //! What still approaches when the impulses are spent is merged into rigid clusters
-//! ([`Problem::merge`]), so that nothing does.
+//! by the stage, so that nothing does.
 
 use glam::{Mat3, Vec3};
 
