@@ -24,9 +24,9 @@ const STILL_S: f64 = 1.0;
 /// The promise for overlaps of loose bodies, in metres.
 pub const OVERLAP_BOUND_M: f64 = 1e-3;
 
-/// How far a box of the stack that stands may ever be to the side of where it was put, in metres: a fortieth
+/// How far a box of the stack that stands may ever be to the side of where it was put, in metres: an eightieth
 /// of its side.
-pub const CREEP_BOUND_M: f64 = 5e-3;
+pub const CREEP_BOUND_M: f64 = 2.5e-3;
 
 /// How often overlaps are judged, in Hz: judging takes longer than playing.
 const JUDGED_HZ: f64 = 60.0;
