@@ -7,7 +7,7 @@ use crate::geometry::time_of_contact::MovingPair;
 use crate::limits::{GAP_FLOOR_M, STEP_MIN_M};
 use crate::math;
 use crate::state::State;
-use crate::state::contacts::{Pair, least_certified};
+use crate::state::contacts::{Pair, least_certified, query_units, scan_parts};
 use crate::state::purse::Purse;
 use crate::state::ways::{BodyTrack, is_own, pair_motions, piece_motion};
 
@@ -41,7 +41,10 @@ pub(crate) fn run(state: &mut State, pairs: usize, leg: &BodyTrack, purse: &mut 
                 cut: false,
             };
         }
-        if !purse.take() {
+        let pair = &state.pairs.list[next];
+        let [a, b] = [pair.a, pair.b].map(|piece| &state.pieces.shape[piece as usize]);
+        let units = query_units(a, b);
+        if !purse.take_parts(scan_parts(pairs)) || !purse.take(units) {
             return Swept {
                 reached: time,
                 cut: true,

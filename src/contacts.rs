@@ -12,7 +12,7 @@ use crate::geometry::separation::{separation, separation_from};
 use crate::geometry::union::{
     NODES_USUAL, UNION_PAIRS_MAX, UnionPair, UnionScratch, least_translation,
 };
-use crate::limits::{GAP_REST_M, GAP_TOUCHING_M};
+use crate::limits::{GAP_REST_M, GAP_TOUCHING_M, WAY_OUT_PAIR_UNITS, WAY_OUT_UNITS};
 use crate::math::Pose;
 use crate::state::State;
 use crate::state::contacts::{self, ContactPoint, Pair};
@@ -23,14 +23,19 @@ use crate::state::ways::{Position, is_own, obstacle_bounds, obstacle_pose, piece
 /// Where a driven body that overlaps fixed pieces or other driven bodies gets clear of them, moved as a
 /// whole; `None` when no way out was found and verified.
 ///
-/// Verifying spends one unit a pair whose boxes overlap there. The search keeps about 130 kB on the
-/// stack.
+/// The search spends [`WAY_OUT_UNITS`] and [`WAY_OUT_PAIR_UNITS`] a pair and is not begun with fewer;
+/// verifying spends a distance query a pair whose boxes overlap there. The search keeps about 130 kB on
+/// the stack.
 pub(crate) fn way_out(
     state: &mut State,
     pairs: usize,
     at: &Position,
     purse: &mut Purse,
 ) -> Option<Pose> {
+    let searched = pairs.min(UNION_PAIRS_MAX) as u32;
+    if !purse.take(WAY_OUT_UNITS + WAY_OUT_PAIR_UNITS * searched) {
+        return None;
+    }
     let out = search(state, pairs, at)?;
     let moved = Position { root: out, ..*at };
     let left = deepest_gap(state, pairs, &moved, purse)?;
@@ -54,7 +59,10 @@ fn deepest_gap(state: &State, pairs: usize, at: &Position, purse: &mut Purse) ->
         if is_own(state, pair) || bounds.gap(&obstacle_bounds(state, b)) >= 0.0 {
             continue;
         }
-        if !purse.take() {
+        if !purse.take(contacts::query_units(
+            &state.pieces.shape[a],
+            &state.pieces.shape[b],
+        )) {
             return None;
         }
         let found = separation(
@@ -101,54 +109,66 @@ pub(crate) fn measure_touching(
     at: &Position,
     purse: &mut Purse,
 ) -> bool {
+    if !purse.take_parts(contacts::scan_parts(pairs)) {
+        return false;
+    }
     for index in 0..pairs {
         let pair = state.pairs.list[index];
         if pair.measured == 1 || !touches(pair.gap) {
             continue;
         }
-        let (a, b) = (pair.a as usize, pair.b as usize);
-        let own = is_own(state, &pair);
-        let (pose, other) = if own {
-            (
-                piece_pose(state, a, &at.in_root()),
-                piece_pose(state, b, &at.in_root()),
-            )
-        } else {
-            (piece_pose(state, a, at), obstacle_pose(state, b))
-        };
-        let bounds = Bounds::of(&state.pieces.shape[a], &pose);
-        let apart = bounds.gap(&if own {
-            Bounds::of(&state.pieces.shape[b], &other)
-        } else {
-            obstacle_bounds(state, b)
-        });
+        let (poses, apart) = boxes_apart(state, &pair, at);
         let pair = &mut state.pairs.list[index];
         pair.gap_time = 0.0;
         if !touches(apart) {
             pair.gap = apart;
             continue;
         }
-        if !purse.take() {
+        let [a, b] = [pair.a, pair.b].map(|piece| &state.pieces.shape[piece as usize]);
+        if !purse.take(contacts::query_units(a, b)) {
             return false;
         }
-        let found = separation_from(
-            &state.pools.convex(&state.pieces.shape[a]),
-            &state.pools.convex(&state.pieces.shape[b]),
-            &pose,
-            &other,
-            &mut pair.feature,
-            0.0,
-        );
-        pair.gap = found.gap_m;
-        pair.normal = found.normal;
-        pair.point = 0.5 * (found.point_a + found.point_b);
-        if own {
-            pair.normal = at.root.quat() * pair.normal;
-            pair.point = at.root.point(pair.point);
-        }
-        pair.measured = 1;
+        measure(state, index, at, &poses);
     }
     true
+}
+
+/// Where the pieces of a pair are, and how far their boxes are apart: in the root's frame for pieces of one
+/// body.
+fn boxes_apart(state: &State, pair: &Pair, at: &Position) -> ([Pose; 2], f32) {
+    let (a, b) = (pair.a as usize, pair.b as usize);
+    let shapes = &state.pieces.shape;
+    if is_own(state, pair) {
+        let poses = [a, b].map(|piece| piece_pose(state, piece, &at.in_root()));
+        let bounds = Bounds::of(&shapes[a], &poses[0]);
+        return (poses, bounds.gap(&Bounds::of(&shapes[b], &poses[1])));
+    }
+    let poses = [piece_pose(state, a, at), obstacle_pose(state, b)];
+    let bounds = Bounds::of(&shapes[a], &poses[0]);
+    (poses, bounds.gap(&obstacle_bounds(state, b)))
+}
+
+/// Measures the gap of a pair, and where it is in the world.
+fn measure(state: &mut State, index: usize, at: &Position, poses: &[Pose; 2]) {
+    let own = is_own(state, &state.pairs.list[index]);
+    let pair = &mut state.pairs.list[index];
+    let [a, b] = [pair.a, pair.b].map(|piece| &state.pieces.shape[piece as usize]);
+    let found = separation_from(
+        &state.pools.convex(a),
+        &state.pools.convex(b),
+        &poses[0],
+        &poses[1],
+        &mut pair.feature,
+        0.0,
+    );
+    pair.gap = found.gap_m;
+    pair.normal = found.normal;
+    pair.point = 0.5 * (found.point_a + found.point_b);
+    if own {
+        pair.normal = at.root.quat() * pair.normal;
+        pair.point = at.root.point(pair.point);
+    }
+    pair.measured = 1;
 }
 
 /// Notes which pairs are in contact where the next leg starts.

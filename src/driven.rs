@@ -4,86 +4,76 @@
 //! much of it as is certified clear (5 advance), and again from there, until the body is where its
 //! coupling wants it, nothing is gained any more, or the budget is spent.
 
+mod line;
 mod settled;
 
 use glam::Vec3;
 
-use crate::frame::{Budget, FrameReport};
+use crate::frame::{FrameReport, Spending};
 use crate::geometry::linkage::angle_at;
 use crate::limits::{ADVANCE_UNITS_MAX, LEGS_MAX, PAIR_MARGIN_M, ROUNDS_MAX, STILL_M};
 use crate::math::{self, Pose};
 use crate::reach::{self, Hold, Plan};
 use crate::state::State;
-use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, is_body_of};
+use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport};
 use crate::state::chains::{
     ChainReport, End, chains_of, has_chains, joints_of, next_chain, place_links, slot_range,
 };
-use crate::state::contacts::PairsFull;
+use crate::state::contacts::{PairsFull, box_parts};
 use crate::state::islands::GiveWay;
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::purse::Purse;
 use crate::state::ways::{BodyTrack, Leg, Position, driven_at, piece_motion, piece_pose, track};
 use crate::{advance, contacts, pairs};
+use line::Line;
 
-/// Moves every driven body as far as its way is clear. Spends at most the budget's units, one for each
+/// Moves every driven body as far as its way is clear. Spends at most the spending's units, one for each
 /// distance query, and its steps, one for each of a chain's solver.
 ///
-/// Bodies go one after the other, in the order of their slots; each keeps out of the others where they
-/// are at that time, so that none overlaps another at the end.
-pub(crate) fn run(state: &mut State, budget: &Budget, report: &mut FrameReport) {
-    let mut purses = Purses {
-        units: Purse::new(0),
-        steps: Purse::new(budget.reach_steps),
-    };
-    let mut left = budget.advance_units;
-    let mut overlaps = 0;
+/// Bodies go one after the other, those first that wait since earlier frames; each keeps out of the others
+/// where they are at that time, so that none overlaps another at the end.
+pub(crate) fn run(state: &mut State, spending: &Spending, report: &mut FrameReport) {
     if state.registers.driven > 1 {
         look_ahead(state);
     }
-    for body in 0..state.registers.body_slots as usize {
-        if is_body_of(state, body, BodyKind::Driven) {
-            purses.units = Purse::new(left.min(ADVANCE_UNITS_MAX));
-            let flags = if settled::is_settled(state, body) {
-                settled::repeat(state, body)
-            } else {
-                state.bodies.settled[body].first_contact = state.registers.contacts;
-                let flags = go(state, body, &mut purses);
-                settled::note(state, body, flags);
-                flags
-            };
-            overlaps |= flags & DrivenReport::OVERLAPS;
-            state.bodies.report[body].flags |= flags;
-            report.flags |= frame_flags(flags);
-            left -= purses.units.spent();
-            if is_reach_cut(state, body) {
-                report.set(FrameReport::REACH_CUT);
-            }
-            if state.registers.driven > 1 {
-                step_ahead(state, body);
-            }
+    let mut overlaps = 0;
+    let mut line = Line::new(spending.focus);
+    while let Some(body) = line.next(state) {
+        let mut purses = purses(spending, report);
+        let is_settled = line.is_as_before && settled::is_settled(state, body);
+        let flags = if is_settled {
+            settled::repeat(state, body)
+        } else {
+            state.bodies.settled[body].first_contact = state.registers.contacts;
+            let flags = go(state, body, &mut purses);
+            settled::note(state, body, flags);
+            flags
+        };
+        overlaps |= flags & DrivenReport::OVERLAPS;
+        state.bodies.report[body].flags |= flags;
+        purses.book(flags, report);
+        if chains_cut(state, body) > 0 {
+            report.set(FrameReport::REACH_CUT);
+        }
+        if state.registers.driven > 1 {
+            step_ahead(state, body);
         }
     }
+    line.end(state, report);
     state.registers.disturbed = u32::from(overlaps != 0);
-    report.advance_units = budget.advance_units - left;
-    report.reach_steps = purses.steps.spent();
 }
 
 /// Plans the ways of driven bodies anew that loose objects do not get out of the way of: the root as far as
 /// the impulses say, and fixed bodies as ever.
-pub(crate) fn give_way(state: &mut State, budget: &Budget, report: &mut FrameReport) {
+pub(crate) fn give_way(state: &mut State, spending: &Spending, report: &mut FrameReport) {
     for body in 0..state.registers.body_slots as usize {
         if state.islands.gives[body].replans == GiveWay::ASKED {
-            let mut purses = Purses {
-                units: Purse::new(budget.advance_units - report.advance_units),
-                steps: Purse::new(budget.reach_steps - report.reach_steps),
-            };
+            let mut purses = purses(spending, report);
             let flags = yield_once(state, body, &mut purses) | DrivenReport::TOUCHING;
             state.bodies.report[body].flags |= flags;
             state.bodies.settled[body].moved = u32::from(state.legs.count[body] > 0);
             state.bodies.settled[body].is_settled = 0;
-            report.flags |= frame_flags(flags);
-            report.advance_units += purses.units.spent();
-            report.reach_steps += purses.steps.spent();
+            purses.book(flags, report);
             state.islands.gives[body].replans = GiveWay::DONE;
             if state.registers.driven > 1 {
                 step_ahead(state, body);
@@ -148,9 +138,10 @@ pub(crate) fn lean(state: &mut State) {
     }
 }
 
-/// Whether a chain of a body was left without the steps that it asked for.
-fn is_reach_cut(state: &State, body: usize) -> bool {
-    chains_of(state, body).any(|chain| state.chains.report[chain].flags & ChainReport::CUT != 0)
+/// How many chains of a body were left without the steps that they asked for.
+fn chains_cut(state: &State, body: usize) -> u32 {
+    let is_cut = |&chain: &usize| state.chains.report[chain].flags & ChainReport::CUT != 0;
+    chains_of(state, body).filter(is_cut).count() as u32
 }
 
 fn clear_chain_reports(state: &mut State, body: usize) {
@@ -161,10 +152,32 @@ fn clear_chain_reports(state: &mut State, body: usize) {
     }
 }
 
-/// What driven bodies may spend.
-struct Purses {
-    units: Purse,
-    steps: Purse,
+/// What is left for one body.
+fn purses<'a>(spending: &Spending<'a>, report: &FrameReport) -> Purses<'a> {
+    let (account, costs) = (spending.account, &spending.costs);
+    let units = spending.budget.advance_units - report.advance_units;
+    let steps = spending.budget.reach_steps - report.reach_steps;
+    let open = u32::from(!account.was_closed());
+    let units = open * units.min(ADVANCE_UNITS_MAX);
+    Purses {
+        units: Purse::new(account, costs.advance_unit_ns, units),
+        steps: Purse::new(account, costs.reach_step_ns, open * steps),
+    }
+}
+
+/// What one driven body may spend.
+struct Purses<'a> {
+    units: Purse<'a>,
+    steps: Purse<'a>,
+}
+
+impl Purses<'_> {
+    /// Writes down what was spent and what came of it.
+    fn book(&self, flags: u32, report: &mut FrameReport) {
+        report.flags |= frame_flags(flags);
+        report.advance_units += self.units.spent();
+        report.reach_steps += self.steps.spent();
+    }
 }
 
 /// Driven bodies keep out of each other where they are before the frame.
@@ -357,6 +370,17 @@ impl Walk {
         Ok(())
     }
 
+    /// Takes the units for collecting pairs once more; false when there are too few.
+    fn pays_for_pairs(&mut self, state: &State, purse: &mut Purse) -> bool {
+        let own = PiecesOf::new(state.pieces.next, state.bodies.first_piece[self.body]).count();
+        let tests = own * state.registers.piece_slots as usize;
+        let paid = purse.take_parts(box_parts(tests));
+        if !paid {
+            self.flags |= DrivenReport::CUT;
+        }
+        paid
+    }
+
     /// Whether the pairs at hand are all that this leg can meet.
     fn covers(&self, state: &State, goal: &Position) -> bool {
         self.covered.holds(&self.at, goal)
@@ -390,6 +414,9 @@ impl Walk {
             &mut purses.steps,
         );
         if !self.covers(state, &plan.goal) {
+            if !self.pays_for_pairs(state, &mut purses.units) {
+                return Ok(Next::Done);
+            }
             self.collect(state, &plan.goal)?;
             if !self.measure(state, &mut purses.units) {
                 return Ok(Next::Done);

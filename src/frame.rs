@@ -1,15 +1,20 @@
 //! One frame: the stages in order, and nothing else.
 
 pub mod budget;
+pub mod deadline;
 pub mod input;
 pub mod report;
 
 pub use budget::Budget;
+pub use deadline::{Census, CostTable, Deadline};
 pub use input::FrameInput;
 pub use report::FrameReport;
 
-use crate::limits::{FRAME_S_MAX, FRAME_S_MIN};
+use glam::Vec3;
+
+use crate::limits::{FRAME_S_MAX, FRAME_S_MIN, LOOSE_SHARE};
 use crate::state::State;
+use crate::state::purse::Account;
 use crate::{couple, driven, events, impulses, publish};
 
 /// The stages of a frame, in their order.
@@ -31,19 +36,46 @@ pub enum Stage {
     Publish,
 }
 
+/// What the stages of a frame may spend.
+pub(crate) struct Spending<'a> {
+    pub budget: Budget,
+    pub costs: CostTable,
+    pub account: &'a Account<'a>,
+    /// What the viewer looks at.
+    pub focus: Option<Vec3>,
+}
+
+/// A clock of the host's, and when the frame is to be over by it, both in nanoseconds.
+#[derive(Clone, Copy)]
+pub(crate) struct Clock<'a> {
+    pub now_ns: &'a dyn Fn() -> u64,
+    pub ends_ns: u64,
+}
+
 /// Steps a world by one frame.
-pub(crate) fn step(state: &mut State, input: &FrameInput) -> FrameReport {
+pub(crate) fn step(state: &mut State, input: &FrameInput, clock: Option<Clock>) -> FrameReport {
     let mut report = FrameReport::default();
     let Some(dt_s) = time_step(input.dt_s, &mut report) else {
         report.frame = state.registers.frame;
         return report;
     };
+    let account = open_account(state, input.deadline.as_ref(), clock, &mut report);
+    let spending = Spending {
+        budget: input.budget,
+        costs: input.deadline.map_or(CostTable::default(), |d| d.costs),
+        account: &account,
+        focus: input.focus.map(Vec3::from_array).filter(|f| f.is_finite()),
+    };
     state.registers.contacts = 0;
     couple::run(state, dt_s);
-    driven::run(state, &input.budget, &mut report);
-    if let Some(mut loose) = impulses::begin(state, dt_s, input.budget.impulse_units) {
+    if impulses::is_awake(state) {
+        account.keep_back(LOOSE_SHARE);
+    }
+    driven::run(state, &spending, &mut report);
+    account.next_stage();
+    if let Some(mut loose) = impulses::begin(state, dt_s, &spending) {
         while let Some(island) = loose.next(state, &mut report) {
-            driven::give_way(state, &input.budget, &mut report);
+            driven::give_way(state, &spending, &mut report);
             loose.run(state, island, &mut report);
         }
         loose.end(state, &mut report);
@@ -51,10 +83,48 @@ pub(crate) fn step(state: &mut State, input: &FrameInput) -> FrameReport {
     }
     publish::run(state, dt_s);
     events::run(state, &mut report);
+    close_account(&account, &spending.costs, &mut report);
     state.registers.frame += 1;
     report.frame = state.registers.frame;
     report.contacts = state.registers.contacts;
     report
+}
+
+/// What is left for units when the floor is paid.
+fn open_account<'c>(
+    state: &State,
+    deadline: Option<&Deadline>,
+    clock: Option<Clock<'c>>,
+    report: &mut FrameReport,
+) -> Account<'c> {
+    let mut left_ns = u64::MAX;
+    if let Some(deadline) = deadline {
+        report.floor_ns = deadline.costs.floor_ns(&Census::of(state));
+        left_ns = deadline.time_ns.saturating_sub(report.floor_ns);
+        if deadline.time_ns < report.floor_ns {
+            report.set(FrameReport::BELOW_FLOOR);
+        }
+    }
+    Account::new(
+        left_ns,
+        clock.map(|clock| clock.now_ns),
+        clock.map_or(u64::MAX, |clock| clock.ends_ns),
+    )
+}
+
+/// Says what the frame cost and what ended it.
+fn close_account(account: &Account, costs: &CostTable, report: &mut FrameReport) {
+    let of = |price: u32, count: u32| u64::from(price) * u64::from(count);
+    report.priced_ns = report.floor_ns
+        + of(costs.advance_unit_ns, report.advance_units)
+        + of(costs.impulse_unit_ns, report.impulse_units)
+        + of(costs.reach_step_ns, report.reach_steps);
+    if account.is_short() {
+        report.set(FrameReport::OUT_OF_TIME);
+    }
+    if account.is_late() {
+        report.set(FrameReport::LATE);
+    }
 }
 
 /// The time step that is used; `None` when nothing is to move.

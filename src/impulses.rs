@@ -12,6 +12,7 @@
 mod cluster;
 mod gather;
 mod islands;
+mod line;
 mod movers;
 mod queue;
 mod respond;
@@ -21,14 +22,16 @@ mod sweep;
 mod touch;
 mod turning;
 
-use crate::frame::FrameReport;
+use crate::frame::{FrameReport, Spending};
 use crate::limits::{EVENTS_MAX, IMPULSE_UNITS_MAX, STALLS_MAX};
 use crate::math;
 use crate::state::State;
-use crate::state::bodies::{BodyKind, HostedImpulse, Load};
+use crate::state::bodies::{BodyKind, HostedImpulse, Load, is_loose};
+use crate::state::contacts::PairsFull;
 use crate::state::islands::GiveWay;
 use crate::state::purse::Purse;
 use glam::Vec3;
+use line::Line;
 
 /// A stretch of an island's frame: shares of the frame, and its length in seconds.
 #[derive(Clone, Copy, Debug)]
@@ -50,11 +53,10 @@ impl Stretch {
 }
 
 /// The loose bodies' way through a frame, island by island.
-pub(crate) struct Loose {
+pub(crate) struct Loose<'a> {
     dt_s: f32,
-    purse: Purse,
-    /// The first body that was not looked at.
-    next: usize,
+    purse: Purse<'a>,
+    line: Line,
     touches_before: usize,
 }
 
@@ -67,7 +69,11 @@ pub(crate) struct Island {
 }
 
 /// Finds the islands of a frame; `None` when nothing is to move.
-pub(crate) fn begin(state: &mut State, dt_s: f32, units: u32) -> Option<Loose> {
+pub(crate) fn begin<'a>(
+    state: &mut State,
+    dt_s: f32,
+    spending: &Spending<'a>,
+) -> Option<Loose<'a>> {
     if state.registers.loose == 0 {
         return None;
     }
@@ -86,24 +92,29 @@ pub(crate) fn begin(state: &mut State, dt_s: f32, units: u32) -> Option<Loose> {
     }
     Some(Loose {
         dt_s,
-        purse: Purse::new(units.min(IMPULSE_UNITS_MAX)),
-        next: 0,
+        purse: Purse::new(
+            spending.account,
+            spending.costs.impulse_unit_ns,
+            spending.budget.impulse_units.min(IMPULSE_UNITS_MAX),
+        ),
+        line: Line::new(state, spending.focus),
         touches_before: touch::begin(state),
     })
 }
 
-impl Loose {
+/// Whether any loose body may move in this frame.
+pub(crate) fn is_awake(state: &State) -> bool {
+    state.registers.loose > 0
+        && (0..state.registers.body_slots as usize)
+            .any(|body| is_loose(state, body) && state.bodies.momentum[body].asleep == 0)
+}
+
+impl Loose<'_> {
     /// Solves the first event of the next island, after which driven bodies may have to plan their ways
     /// again; `None` when all islands are through.
     pub(crate) fn next(&mut self, state: &mut State, report: &mut FrameReport) -> Option<Island> {
-        while self.next < state.registers.body_slots as usize {
-            let label = self.next;
-            self.next += 1;
-            if islands::begins(state, label) {
-                return Some(self.first_event(state, label, report));
-            }
-        }
-        None
+        let label = self.line.next(state)?;
+        Some(self.first_event(state, label, report))
     }
 
     fn first_event(&mut self, state: &mut State, label: usize, report: &mut FrameReport) -> Island {
@@ -120,8 +131,9 @@ impl Loose {
             pairs: None,
             rows: 0,
         };
-        sweep::begin(state, stretch.island);
-        if !island.solve(state, &mut self.purse, report) {
+        line::ration(state, label);
+        let begun = sweep::begin(state, stretch.island, &mut self.purse);
+        if !begun || !island.solve(state, &mut self.purse, report) {
             island.pairs = None;
         }
         island
@@ -130,10 +142,9 @@ impl Loose {
     /// Moves an island to the end of the frame.
     pub(crate) fn run(&mut self, state: &mut State, mut island: Island, report: &mut FrameReport) {
         if replanned(state, island.stretch.island as usize) && island.pairs.is_some() {
-            sweep::begin(state, island.stretch.island);
             island.pairs = None;
-            if !sweep::update(state, &island.stretch, &mut island.pairs) {
-                report.set(FrameReport::FULL_PAIRS);
+            if sweep::begin(state, island.stretch.island, &mut self.purse) {
+                island.update(state, &mut self.purse, report);
             }
         }
         let time = island.go(state, &mut self.purse, report);
@@ -143,6 +154,7 @@ impl Loose {
             report.set(FrameReport::IMPULSES_CUT);
             report.lost_s = math::max(report.lost_s, (1.0 - time) * self.dt_s);
         }
+        line::note(state, label, time, report);
         touch::record(state, &island.stretch, report);
         islands::rest(state, &island.stretch);
     }
@@ -189,15 +201,20 @@ impl Island {
         self.stretch.from
     }
 
+    /// Brings the pairs up to what may touch in the stretch; there are none when units or room ran out.
+    fn update(&mut self, state: &mut State, purse: &mut Purse, report: &mut FrameReport) {
+        if sweep::update(state, &self.stretch, &mut self.pairs, purse) == Err(PairsFull) {
+            report.set(FrameReport::FULL_PAIRS);
+        }
+    }
+
     /// Finds the contacts at hand and answers them; false when the units ran out or there was no room.
     fn solve(&mut self, state: &mut State, purse: &mut Purse, report: &mut FrameReport) -> bool {
         let stretch = self.stretch;
         islands::note_centres(state, stretch.island as usize);
         respond::ready(state, &stretch);
         islands::aim(state, &stretch);
-        if !sweep::update(state, &stretch, &mut self.pairs) {
-            report.set(FrameReport::FULL_PAIRS);
-        }
+        self.update(state, purse, report);
         let Some(pairs) = self.pairs else {
             return false;
         };
@@ -220,9 +237,7 @@ impl Island {
     ) -> Option<usize> {
         self.pairs?;
         let stretch = self.stretch;
-        if !sweep::update(state, &stretch, &mut self.pairs) {
-            report.set(FrameReport::FULL_PAIRS);
-        }
+        self.update(state, purse, report);
         let mut swept = sweep::run(state, self.pairs?, &stretch, purse);
         swept.reached = math::min(
             swept.reached,

@@ -31,6 +31,15 @@
 //! what it cannot evade the root does. Links move along certified ways, as everything driven does.
 //! [`human`] has joints, ranges and lengths of people.
 //!
+//! # Deadlines
+//!
+//! Work is counted in units ([`frame::Budget`]); a stage that is refused one ends there, safe wherever that
+//! is. A host that thinks in time gives a [`frame::Deadline`] with the prices of its machine
+//! ([`frame::CostTable`]): the frame's floor is paid first, then driven bodies, then loose ones. A clock may
+//! stand behind it ([`world::World::step_by_clock`]). Whatever ended a frame, the units that it reports
+//! replay it. Who was cut goes first in the next frame; then what the viewer looks at. An island of loose
+//! bodies that is too large for a frame moves on in turns.
+//!
 //! # Modules
 //!
 //! [`frame`] holds the stages together, [`world`] is the host's handle, [`geometry`] answers questions

@@ -73,6 +73,26 @@ pub const ADVANCE_UNITS_MAX: u32 = 4096;
 /// Most units that the loose bodies may spend in one frame.
 pub const IMPULSE_UNITS_MAX: u32 = 16384;
 
+/// Lanes of vertices of a pair that its distance query has for one unit; every so many more cost another.
+/// Ordinary pieces (64 vertices and fewer) cost one.
+pub const QUERY_LANES: u32 = 16;
+
+/// Impulses that make a unit, and other work about as large: what one row or one body takes in an event.
+pub const PARTS_PER_UNIT: u32 = 8;
+
+/// Tests of two boxes that make a unit.
+pub const BOXES_PER_UNIT: u32 = 256;
+
+/// Units for the search of a way out of overlap that the host made, and for each pair that it looks at.
+/// It is not begun with fewer.
+pub const WAY_OUT_UNITS: u32 = 64;
+
+/// The same for each pair that the search looks at.
+pub const WAY_OUT_PAIR_UNITS: u32 = 4;
+
+/// One part in so many of a frame's time is kept for loose bodies that are awake.
+pub const LOOSE_SHARE: u64 = 4;
+
 /// The fastest that a loose body moves, in m/s; faster ones are slowed to this.
 pub const SPEED_MAX: f32 = 1e3;
 

@@ -18,7 +18,7 @@ pub use query::BodyPenetration;
 
 use glam::Vec3;
 
-use crate::frame::{self, FrameInput, FrameReport};
+use crate::frame::{self, Census, Clock, CostTable, FrameInput, FrameReport};
 use crate::limits::SPEED_MAX;
 use crate::memory::header::{self, Header};
 use crate::memory::{AttachError, BlockHead, Capacities, CreateError};
@@ -163,7 +163,33 @@ impl<'a> World<'a> {
     ///
     /// Spends at most the budget's units; the report says what was spent and what was cut.
     pub fn step(&mut self, input: &FrameInput) -> FrameReport {
-        frame::step(&mut self.state, input)
+        frame::step(&mut self.state, input, None)
+    }
+
+    /// Steps the world by one frame with a clock as a backstop: it is asked before every unit, and no unit
+    /// is begun at `ends_ns` or later, in the clock's nanoseconds. Where that cuts, the report says
+    /// [`FrameReport::LATE`], and stepping with [`FrameReport::spent`] as the budget gives the same bits.
+    pub fn step_by_clock(
+        &mut self,
+        input: &FrameInput,
+        now_ns: &dyn Fn() -> u64,
+        ends_ns: u64,
+    ) -> FrameReport {
+        let clock = Clock { now_ns, ends_ns };
+        frame::step(&mut self.state, input, Some(clock))
+    }
+
+    /// What is in the world, as far as a frame pays for it whatever happens.
+    #[must_use]
+    pub fn census(&self) -> Census {
+        Census::of(&self.state)
+    }
+
+    /// What the next frame costs whatever happens, in nanoseconds: a deadline below it leaves nothing for
+    /// contact, and the last safe poses are published.
+    #[must_use]
+    pub fn floor_ns(&self, costs: &CostTable) -> u64 {
+        costs.floor_ns(&self.census())
     }
 
     /// The contacts of the last frame.

@@ -536,8 +536,8 @@ fn garbage(seed: u64, frames: u32) -> u64 {
             world.set_velocity(loose, linear, angular).unwrap();
         }
         let input = FrameInput {
-            dt_s: random.time_step(),
             budget: random.budget(),
+            ..FrameInput::unlimited(random.time_step())
         };
         world.step(&input);
         assert_finite(&world, &bodies, seed, frame);

@@ -240,12 +240,12 @@ fn without_a_budget_a_body_goes_only_where_boxes_alone_prove_it_safe() {
         [0.05; 3],
     );
     let input = FrameInput {
-        dt_s: FRAME_S,
         budget: Budget {
             advance_units: 0,
             impulse_units: 0,
             reach_steps: 0,
         },
+        ..FrameInput::unlimited(FRAME_S)
     };
     for _ in 0..10 {
         world.set_target(hand, &Pose::at(0.0, -1.0, 0.0)).unwrap();

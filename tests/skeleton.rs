@@ -372,12 +372,12 @@ fn without_budget_the_arm_is_held_before_the_wall_within_its_limits() {
             .unwrap();
         world.set_target(body, &shoulder).unwrap();
         let report = world.step(&FrameInput {
-            dt_s: FRAME_S,
             budget: Budget {
                 advance_units: frame % 5,
                 impulse_units: 0,
                 reach_steps: frame % 3,
             },
+            ..FrameInput::unlimited(FRAME_S)
         });
         assert!(report.advance_units <= frame % 5 && report.reach_steps <= frame % 3);
         cut += u32::from(report.flags & (FrameReport::REACH_CUT | FrameReport::ADVANCE_CUT) != 0);

@@ -205,8 +205,8 @@ fn run(seed: u64, frames: u32) -> (u64, u32) {
             reach_steps: few(random),
         };
         let report = world.step(&FrameInput {
-            dt_s: 1.0 / 60.0,
             budget,
+            ..FrameInput::unlimited(1.0 / 60.0)
         });
         assert!(
             report.advance_units <= budget.advance_units,

@@ -87,11 +87,12 @@
 
 /** A frame of 1/60 s with an unlimited budget. */
 #define PALP_FRAME_INPUT_INIT \
-    { (uint32_t)sizeof(palp_frame_input), 1.0f / 60.0f, UINT32_MAX, UINT32_MAX, UINT32_MAX }
+    { (uint32_t)sizeof(palp_frame_input), 1.0f / 60.0f, UINT32_MAX, UINT32_MAX, UINT32_MAX, 0, \
+      { 0, 0, 0, 0, 0, 0, 0, 0 }, 0, { 0.0f, 0.0f, 0.0f } }
 
 /** Empty, to be filled in by `palp_frame_step`. */
 #define PALP_FRAME_REPORT_INIT \
-    { (uint32_t)sizeof(palp_frame_report), 0, 0, 0, 0, 0, 0, 0.0f, 0, 0, 0 }
+    { (uint32_t)sizeof(palp_frame_report), 0, 0, 0, 0, 0, 0, 0.0f, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 
 /** Empty, to be filled in by `palp_driven_report`. */
 #define PALP_DRIVEN_STATE_INIT \
@@ -244,6 +245,22 @@
  * The steps for chains were used up: raise `palp_frame_input.reach_steps`.
  */
 #define PALP_FRAME_CUT_REACH 128
+
+/**
+ * The frame's time was used up, by `palp_frame_input.costs`.
+ */
+#define PALP_FRAME_OUT_OF_TIME 256
+
+/**
+ * The clock of `palp_frame_step_by_clock` ended the frame's work. Stepping with the units of this report
+ * and no deadline gives the same bits.
+ */
+#define PALP_FRAME_LATE 512
+
+/**
+ * The deadline is shorter than the frame's floor: no unit was spent.
+ */
+#define PALP_FRAME_BELOW_FLOOR 1024
 
 /**
  * Contact bent or ended the body's way.
@@ -961,6 +978,45 @@ typedef struct palp_chain_state {
 } palp_chain_state;
 
 /**
+ * What work costs on the host's machine, in nanoseconds: measured worst cases with a margin, not
+ * guarantees. A unit's price covers all that a stage does between two units. All zero costs nothing.
+ */
+typedef struct palp_costs {
+    /**
+     * A frame of an empty world.
+     */
+    uint32_t frame_ns;
+    /**
+     * Each body, whatever it does.
+     */
+    uint32_t body_ns;
+    /**
+     * Each piece, whatever it does.
+     */
+    uint32_t piece_ns;
+    /**
+     * Each chain, whatever it does.
+     */
+    uint32_t chain_ns;
+    /**
+     * Each 256 tests of two boxes against each other.
+     */
+    uint32_t boxes_ns;
+    /**
+     * A unit of `palp_frame_input.advance_units`.
+     */
+    uint32_t advance_unit_ns;
+    /**
+     * A unit of `palp_frame_input.impulse_units`.
+     */
+    uint32_t impulse_unit_ns;
+    /**
+     * A step of `palp_frame_input.reach_steps`.
+     */
+    uint32_t reach_step_ns;
+} palp_costs;
+
+/**
  * What a frame is given. Start from `PALP_FRAME_INPUT_INIT`.
  */
 typedef struct palp_frame_input {
@@ -974,11 +1030,12 @@ typedef struct palp_frame_input {
      */
     float dt_s;
     /**
-     * Work that may be spent on driven bodies; one unit is one distance query between two pieces.
+     * Work that may be spent on driven bodies; one unit is one distance query between two ordinary pieces,
+     * and more with many vertices.
      */
     uint32_t advance_units;
     /**
-     * Work that may be spent on loose bodies, in the same units.
+     * Work that may be spent on loose bodies, in the same units; eight impulses make one as well.
      */
     uint32_t impulse_units;
     /**
@@ -986,6 +1043,21 @@ typedef struct palp_frame_input {
      * least deviation. A chain that gets none goes as far as contact lets its joints follow the trackers.
      */
     uint32_t reach_steps;
+    /**
+     * How long the frame may take by `costs`, in nanoseconds; zero for as long as its units last. The floor
+     * (`palp_frame_floor`) is paid first, then driven bodies, then loose ones, for which a quarter is kept
+     * while any is awake. A deadline below the floor publishes the last safe poses.
+     */
+    uint32_t deadline_ns;
+    /**
+     * What work costs.
+     */
+    struct palp_costs costs;
+    /**
+     * One when `focus` is where the viewer looks, in the world: when time is short, what is near goes first.
+     */
+    uint32_t has_focus;
+    struct palp_vec3 focus;
 } palp_frame_input;
 
 /**
@@ -1036,7 +1108,39 @@ typedef struct palp_frame_report {
      * Contact events that found no room: raise `palp_capacities.contacts`.
      */
     uint32_t events_dropped;
+    /**
+     * Driven bodies whose way was cut: the rest follows, before all others, in the next frame.
+     */
+    uint32_t driven_cut;
+    /**
+     * Chains that got fewer steps than they wanted.
+     */
+    uint32_t chains_cut;
+    /**
+     * Loose bodies that were stopped before the end of the frame.
+     */
+    uint32_t loose_cut;
+    /**
+     * Bodies of both kinds that were to move and have the poses of the last frame because there was no
+     * time for them.
+     */
+    uint32_t kept;
+    /**
+     * What the frame costs whatever happens, by the input's prices, in nanoseconds; zero without a
+     * deadline.
+     */
+    uint32_t floor_ns;
+    /**
+     * What it cost by those prices, at most `UINT32_MAX`.
+     */
+    uint32_t priced_ns;
 } palp_frame_report;
+
+/**
+ * A clock of the host's that runs forward, in nanoseconds from any start. Called from the stepping thread,
+ * before every unit; it must not call this library.
+ */
+typedef uint64_t (*palp_clock)(void *user);
 
 /**
  * A contact of the last frame.
@@ -1231,6 +1335,21 @@ typedef struct palp_penetration_result {
  * Done for every entry but those that were refused; `palp_refusal` names the first of them.
  */
 #define PALP_ENTRIES_REFUSED 11
+
+/**
+ * Stepped; the frame's time was used up by the input's prices: raise `palp_frame_input.deadline_ns`.
+ */
+#define PALP_OUT_OF_TIME 12
+
+/**
+ * Stepped; the clock ended the frame's work.
+ */
+#define PALP_LATE 13
+
+/**
+ * Stepped; the deadline is shorter than the frame's floor, and nothing was spent on contact.
+ */
+#define PALP_BELOW_FLOOR 14
 
 /**
  * The library failed inside. The world may be half changed: load a saved state or create it anew.
@@ -1935,12 +2054,31 @@ palp_status palp_hand_set_joints(struct palp_world *world,
 
 /**
  * Steps the world by one frame, spending at most the input's units. Several things may have been cut;
- * the status is the gravest of them (overlap, pairs, contacts, advance, reach, impulses, time step),
+ * the status is the gravest of them (overlap, pairs, contacts, advance, reach, impulses, time, time step),
  * the report has them all. `report->struct_size` is set by the host; `report` may be null.
  */
 palp_status palp_frame_step(struct palp_world *world,
                             const struct palp_frame_input *input,
                             struct palp_frame_report *report);
+
+/**
+ * Like `palp_frame_step`, with a clock as a backstop: no unit is begun at `ends_ns` or later by it. Where
+ * that cuts, the report says `PALP_FRAME_LATE`, and stepping with the report's units and no deadline gives
+ * the same bits.
+ */
+palp_status palp_frame_step_by_clock(struct palp_world *world,
+                                     const struct palp_frame_input *input,
+                                     struct palp_frame_report *report,
+                                     palp_clock clock,
+                                     void *user,
+                                     uint64_t ends_ns);
+
+/**
+ * What the next frame costs whatever happens, by `costs`, in nanoseconds.
+ */
+palp_status palp_frame_floor(const struct palp_world *world,
+                             const struct palp_costs *costs,
+                             uint64_t *floor_ns);
 
 /**
  * The contacts of the last frame. The array lies in the world's block and is good until the next call

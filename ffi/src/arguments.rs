@@ -10,7 +10,7 @@ use crate::status::{
     PALP_WRONG_COUNT, palp_status,
 };
 use crate::types::{
-    PALP_PAIR_CONTACTS, palp_body_def, palp_capacities, palp_contact, palp_coupling,
+    PALP_PAIR_CONTACTS, palp_body_def, palp_capacities, palp_contact, palp_costs, palp_coupling,
     palp_driven_state, palp_frame_input, palp_frame_report, palp_penetration_result,
     palp_piece_def, palp_piece_id, palp_pose, palp_vec3,
 };
@@ -67,13 +67,15 @@ versioned! {
     palp_chain_state: [], 5 * 4, palp_chain_state {
         struct_size: 0, flags: 0, steps: 0, missed_m: 0.0, deviation_rad: 0.0,
     };
-    palp_frame_input: [4 * 4], 5 * 4, palp_frame_input {
+    palp_frame_input: [4 * 4, 5 * 4], 6 * 4 + 8 * 4 + 4 + 12, palp_frame_input {
         struct_size: 0, dt_s: 0.0, advance_units: u32::MAX, impulse_units: u32::MAX,
-        reach_steps: u32::MAX,
+        reach_steps: u32::MAX, deadline_ns: 0, costs: palp_costs::FREE, has_focus: 0,
+        focus: palp_vec3::new([0.0; 3]),
     };
-    palp_frame_report: [2 * 4 + 8 + 6 * 4], 2 * 4 + 8 + 8 * 4, palp_frame_report {
+    palp_frame_report: [2 * 4 + 8 + 6 * 4, 2 * 4 + 8 + 8 * 4], 2 * 4 + 8 + 14 * 4, palp_frame_report {
         struct_size: 0, flags: 0, frame: 0, advance_units: 0, impulse_units: 0, contacts: 0,
-        impulses: 0, lost_s: 0.0, reach_steps: 0, events: 0, events_dropped: 0,
+        impulses: 0, lost_s: 0.0, reach_steps: 0, events: 0, events_dropped: 0, driven_cut: 0,
+        chains_cut: 0, loose_cut: 0, kept: 0, floor_ns: 0, priced_ns: 0,
     };
     palp_driven_state: [3 * 4 + 12], 3 * 4 + 2 * 12, palp_driven_state {
         struct_size: 0, flags: 0, displacement_m: 0.0, force_n: palp_vec3::new([0.0; 3]),

@@ -1,18 +1,21 @@
 //! Stepping.
 
+use core::ffi::c_void;
+
 use palpable_kernel::frame::FrameReport;
 
-use crate::arguments::{judge_versioned, put_versioned, versioned};
+use crate::arguments::{judge, judge_versioned, put, put_versioned, value, versioned};
 use crate::block::Block;
 use crate::panic::guarded;
 use crate::status::{
-    PALP_BAD_TIME_STEP, PALP_CUT_ADVANCE, PALP_CUT_IMPULSES, PALP_CUT_REACH, PALP_FULL_CONTACTS,
-    PALP_FULL_PAIRS, PALP_OK, PALP_OVERLAP, PALP_TIME_STEP_CLAMPED, palp_status,
+    PALP_BAD_TIME_STEP, PALP_BELOW_FLOOR, PALP_CUT_ADVANCE, PALP_CUT_IMPULSES, PALP_CUT_REACH,
+    PALP_FULL_CONTACTS, PALP_FULL_PAIRS, PALP_LATE, PALP_NULL, PALP_OK, PALP_OUT_OF_TIME,
+    PALP_OVERLAP, PALP_TIME_STEP_CLAMPED, palp_status,
 };
-use crate::types::{palp_frame_input, palp_frame_report, palp_world};
+use crate::types::{palp_costs, palp_frame_input, palp_frame_report, palp_world};
 
 /// Flags and what they are as a status, the gravest first.
-const STATUSES: [(u32, palp_status); 8] = [
+const STATUSES: [(u32, palp_status); 11] = [
     (FrameReport::BAD_TIME_STEP, PALP_BAD_TIME_STEP),
     (FrameReport::OVERLAP, PALP_OVERLAP),
     (FrameReport::FULL_PAIRS, PALP_FULL_PAIRS),
@@ -20,6 +23,9 @@ const STATUSES: [(u32, palp_status); 8] = [
     (FrameReport::ADVANCE_CUT, PALP_CUT_ADVANCE),
     (FrameReport::REACH_CUT, PALP_CUT_REACH),
     (FrameReport::IMPULSES_CUT, PALP_CUT_IMPULSES),
+    (FrameReport::BELOW_FLOOR, PALP_BELOW_FLOOR),
+    (FrameReport::OUT_OF_TIME, PALP_OUT_OF_TIME),
+    (FrameReport::LATE, PALP_LATE),
     (FrameReport::TIME_STEP_CLAMPED, PALP_TIME_STEP_CLAMPED),
 ];
 
@@ -31,7 +37,7 @@ fn frame_status(flags: u32) -> palp_status {
 }
 
 /// Steps the world by one frame, spending at most the input's units. Several things may have been cut;
-/// the status is the gravest of them (overlap, pairs, contacts, advance, reach, impulses, time step),
+/// the status is the gravest of them (overlap, pairs, contacts, advance, reach, impulses, time, time step),
 /// the report has them all. `report->struct_size` is set by the host; `report` may be null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palp_frame_step(
@@ -56,6 +62,62 @@ pub unsafe extern "C" fn palp_frame_step(
     })
 }
 
+/// A clock of the host's that runs forward, in nanoseconds from any start. Called from the stepping thread,
+/// before every unit; it must not call this library.
+#[allow(non_camel_case_types, reason = "the name in C")]
+pub type palp_clock = Option<unsafe extern "C" fn(user: *mut c_void) -> u64>;
+
+/// Like `palp_frame_step`, with a clock as a backstop: no unit is begun at `ends_ns` or later by it. Where
+/// that cuts, the report says `PALP_FRAME_LATE`, and stepping with the report's units and no deadline gives
+/// the same bits.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palp_frame_step_by_clock(
+    world: *mut palp_world,
+    input: *const palp_frame_input,
+    report: *mut palp_frame_report,
+    clock: palp_clock,
+    user: *mut c_void,
+    ends_ns: u64,
+) -> palp_status {
+    guarded(|| {
+        let clock = clock.ok_or(PALP_NULL)?;
+        // SAFETY: the header's rules for pointers and threads; the clock is the host's own.
+        unsafe {
+            let stated = match report.is_null() {
+                true => None,
+                false => Some(judge_versioned(report)?),
+            };
+            let input = versioned(input)?.to_kernel();
+            let now = || clock(user);
+            let did =
+                Block::of(world)?.change(|world| Ok(world.step_by_clock(&input, &now, ends_ns)))?;
+            if let Some(stated) = stated {
+                put_versioned(report, stated, &palp_frame_report::new(&did));
+            }
+            Ok(frame_status(did.flags))
+        }
+    })
+}
+
+/// What the next frame costs whatever happens, by `costs`, in nanoseconds.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palp_frame_floor(
+    world: *const palp_world,
+    costs: *const palp_costs,
+    floor_ns: *mut u64,
+) -> palp_status {
+    guarded(|| {
+        judge(floor_ns)?;
+        // SAFETY: the header's rules for pointers and threads.
+        unsafe {
+            let costs = value(costs)?.to_kernel();
+            let floor = Block::of(world)?.read(|world| Ok(world.floor_ns(&costs)))?;
+            put(floor_ns, floor);
+        }
+        Ok(PALP_OK)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -72,7 +134,7 @@ mod tests {
 
     #[test]
     fn every_known_flag_has_a_status() {
-        for bit in 0..8 {
+        for bit in 0..11 {
             assert_ne!(frame_status(1 << bit), PALP_OK);
         }
     }

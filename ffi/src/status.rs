@@ -33,6 +33,13 @@ pub const PALP_CUT_REACH: palp_status = 10;
 /// Done for every entry but those that were refused; `palp_refusal` names the first of them.
 pub const PALP_ENTRIES_REFUSED: palp_status = 11;
 
+/// Stepped; the frame's time was used up by the input's prices: raise `palp_frame_input.deadline_ns`.
+pub const PALP_OUT_OF_TIME: palp_status = 12;
+/// Stepped; the clock ended the frame's work.
+pub const PALP_LATE: palp_status = 13;
+/// Stepped; the deadline is shorter than the frame's floor, and nothing was spent on contact.
+pub const PALP_BELOW_FLOOR: palp_status = 14;
+
 /// The library failed inside. The world may be half changed: load a saved state or create it anew.
 pub const PALP_PANICKED: palp_status = -1;
 /// A pointer that must not be null is null.
@@ -274,6 +281,15 @@ const TEXTS: &[(palp_status, &CStr)] = &[
     (
         PALP_CUT_REACH,
         c"chains got fewer steps than they wanted: raise palp_frame_input.reach_steps",
+    ),
+    (
+        PALP_OUT_OF_TIME,
+        c"the frame's time was used up: raise palp_frame_input.deadline_ns",
+    ),
+    (PALP_LATE, c"the clock ended the frame's work"),
+    (
+        PALP_BELOW_FLOOR,
+        c"the deadline is shorter than the frame's floor (palp_frame_floor)",
     ),
     (PALP_STALE_CHAIN, c"the id names no chain of this world"),
     (

@@ -4,7 +4,7 @@
 
 use core::mem::offset_of;
 
-use palpable_kernel::frame::{Budget, FrameInput, FrameReport};
+use palpable_kernel::frame::{Budget, CostTable, Deadline, FrameInput, FrameReport};
 use palpable_kernel::limits::{MANIFOLD_CONTACTS_MAX, PIECE_VERTICES_MAX};
 use palpable_kernel::math::Pose;
 use palpable_kernel::memory::{BLOCK_ALIGNMENT, BodyId, Capacities, PieceId};
@@ -209,6 +209,29 @@ pub struct palp_piece_def {
     pub local_pose: palp_pose,
 }
 
+/// What work costs on the host's machine, in nanoseconds: measured worst cases with a margin, not
+/// guarantees. A unit's price covers all that a stage does between two units. All zero costs nothing.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct palp_costs {
+    /// A frame of an empty world.
+    pub frame_ns: u32,
+    /// Each body, whatever it does.
+    pub body_ns: u32,
+    /// Each piece, whatever it does.
+    pub piece_ns: u32,
+    /// Each chain, whatever it does.
+    pub chain_ns: u32,
+    /// Each 256 tests of two boxes against each other.
+    pub boxes_ns: u32,
+    /// A unit of `palp_frame_input.advance_units`.
+    pub advance_unit_ns: u32,
+    /// A unit of `palp_frame_input.impulse_units`.
+    pub impulse_unit_ns: u32,
+    /// A step of `palp_frame_input.reach_steps`.
+    pub reach_step_ns: u32,
+}
+
 /// What a frame is given. Start from `PALP_FRAME_INPUT_INIT`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -218,13 +241,23 @@ pub struct palp_frame_input {
     /// Time since the frame before, in seconds. Kept between 0.0001 and 0.1; not above zero is
     /// refused.
     pub dt_s: f32,
-    /// Work that may be spent on driven bodies; one unit is one distance query between two pieces.
+    /// Work that may be spent on driven bodies; one unit is one distance query between two ordinary pieces,
+    /// and more with many vertices.
     pub advance_units: u32,
-    /// Work that may be spent on loose bodies, in the same units.
+    /// Work that may be spent on loose bodies, in the same units; eight impulses make one as well.
     pub impulse_units: u32,
     /// Steps that may be spent on chains that touch something: a sweep of cyclic descent, or a step of
     /// least deviation. A chain that gets none goes as far as contact lets its joints follow the trackers.
     pub reach_steps: u32,
+    /// How long the frame may take by `costs`, in nanoseconds; zero for as long as its units last. The floor
+    /// (`palp_frame_floor`) is paid first, then driven bodies, then loose ones, for which a quarter is kept
+    /// while any is awake. A deadline below the floor publishes the last safe poses.
+    pub deadline_ns: u32,
+    /// What work costs.
+    pub costs: palp_costs,
+    /// One when `focus` is where the viewer looks, in the world: when time is short, what is near goes first.
+    pub has_focus: u32,
+    pub focus: palp_vec3,
 }
 
 /// The time step was not a positive number: nothing moved.
@@ -243,6 +276,13 @@ pub const PALP_FRAME_FULL_CONTACTS: u32 = 32;
 pub const PALP_FRAME_OVERLAP: u32 = 64;
 /// The steps for chains were used up: raise `palp_frame_input.reach_steps`.
 pub const PALP_FRAME_CUT_REACH: u32 = 128;
+/// The frame's time was used up, by `palp_frame_input.costs`.
+pub const PALP_FRAME_OUT_OF_TIME: u32 = 256;
+/// The clock of `palp_frame_step_by_clock` ended the frame's work. Stepping with the units of this report
+/// and no deadline gives the same bits.
+pub const PALP_FRAME_LATE: u32 = 512;
+/// The deadline is shorter than the frame's floor: no unit was spent.
+pub const PALP_FRAME_BELOW_FLOOR: u32 = 1024;
 
 /// What a frame did. Start from `PALP_FRAME_REPORT_INIT`.
 #[repr(C)]
@@ -270,6 +310,20 @@ pub struct palp_frame_report {
     pub events: u32,
     /// Contact events that found no room: raise `palp_capacities.contacts`.
     pub events_dropped: u32,
+    /// Driven bodies whose way was cut: the rest follows, before all others, in the next frame.
+    pub driven_cut: u32,
+    /// Chains that got fewer steps than they wanted.
+    pub chains_cut: u32,
+    /// Loose bodies that were stopped before the end of the frame.
+    pub loose_cut: u32,
+    /// Bodies of both kinds that were to move and have the poses of the last frame because there was no
+    /// time for them.
+    pub kept: u32,
+    /// What the frame costs whatever happens, by the input's prices, in nanoseconds; zero without a
+    /// deadline.
+    pub floor_ns: u32,
+    /// What it cost by those prices, at most `UINT32_MAX`.
+    pub priced_ns: u32,
 }
 
 /// Contact bent or ended the body's way.
@@ -502,7 +556,52 @@ impl palp_frame_input {
                 impulse_units: self.impulse_units,
                 reach_steps: self.reach_steps,
             },
+            deadline: match self.deadline_ns {
+                0 => None,
+                time_ns => Some(Deadline {
+                    time_ns: time_ns as u64,
+                    costs: self.costs.to_kernel(),
+                }),
+            },
+            focus: match self.has_focus {
+                0 => None,
+                _ => Some(self.focus.to_array()),
+            },
         }
+    }
+}
+
+impl palp_costs {
+    pub(crate) const FREE: Self = Self {
+        frame_ns: 0,
+        body_ns: 0,
+        piece_ns: 0,
+        chain_ns: 0,
+        boxes_ns: 0,
+        advance_unit_ns: 0,
+        impulse_unit_ns: 0,
+        reach_step_ns: 0,
+    };
+
+    pub(crate) const fn to_kernel(self) -> CostTable {
+        CostTable {
+            frame_ns: self.frame_ns,
+            body_ns: self.body_ns,
+            piece_ns: self.piece_ns,
+            chain_ns: self.chain_ns,
+            boxes_ns: self.boxes_ns,
+            advance_unit_ns: self.advance_unit_ns,
+            impulse_unit_ns: self.impulse_unit_ns,
+            reach_step_ns: self.reach_step_ns,
+        }
+    }
+}
+
+const fn saturated(number: u64) -> u32 {
+    if number > u32::MAX as u64 {
+        u32::MAX
+    } else {
+        number as u32
     }
 }
 
@@ -520,6 +619,12 @@ impl palp_frame_report {
             reach_steps: from.reach_steps,
             events: from.events,
             events_dropped: from.events_dropped,
+            driven_cut: from.driven_cut,
+            chains_cut: from.chains_cut,
+            loose_cut: from.loose_cut,
+            kept: from.kept,
+            floor_ns: saturated(from.floor_ns),
+            priced_ns: saturated(from.priced_ns),
         }
     }
 }
@@ -679,6 +784,9 @@ const _: () = {
     assert!(PALP_FRAME_FULL_CONTACTS == FrameReport::FULL_CONTACTS);
     assert!(PALP_FRAME_OVERLAP == FrameReport::OVERLAP);
     assert!(PALP_FRAME_CUT_REACH == FrameReport::REACH_CUT);
+    assert!(PALP_FRAME_OUT_OF_TIME == FrameReport::OUT_OF_TIME);
+    assert!(PALP_FRAME_LATE == FrameReport::LATE);
+    assert!(PALP_FRAME_BELOW_FLOOR == FrameReport::BELOW_FLOOR);
     assert!(PALP_DRIVEN_TOUCHING == DrivenReport::TOUCHING);
     assert!(PALP_DRIVEN_HELD == DrivenReport::HELD);
     assert!(PALP_DRIVEN_DETACHED == DrivenReport::DETACHED);

@@ -3,6 +3,8 @@
 #[path = "common/arm.rs"]
 mod arm;
 mod common;
+#[path = "common/deadline.rs"]
+mod deadline;
 #[path = "common/engine.rs"]
 mod engine;
 #[path = "common/hold.rs"]
@@ -82,6 +84,16 @@ fn two_palms_hold_a_box_in_c_and_cpp() {
 fn an_engine_of_the_hosts_own_in_c_and_cpp() {
     let expected = hash_line(engine::engine());
     for program in linked_in_every_way("c/engine.c") {
+        let printed = Command::new(program).run_clean();
+        eprint!("{printed}");
+        assert!(printed.ends_with(&expected), "{printed}{expected}");
+    }
+}
+
+#[test]
+fn frames_that_are_cut_in_c_and_cpp() {
+    let expected = hash_line(deadline::deadline());
+    for program in linked_in_every_way("c/deadline.c") {
         let printed = Command::new(program).run_clean();
         eprint!("{printed}");
         assert!(printed.ends_with(&expected), "{printed}{expected}");

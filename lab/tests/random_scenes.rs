@@ -115,11 +115,11 @@ impl Scene {
             _ => u32::MAX,
         };
         world.step(&FrameInput {
-            dt_s: between(&mut self.random, 1e-3, 0.03) as f32,
             budget: Budget {
                 advance_units,
                 ..Budget::UNLIMITED
             },
+            ..FrameInput::unlimited(between(&mut self.random, 1e-3, 0.03) as f32)
         });
     }
 }

@@ -1,14 +1,19 @@
 //! How much work a frame may do, and what is left of it.
 
-/// How much work a frame may do. A unit is one distance query between two pieces, with the two
-/// support queries that follow it; its cost grows with the pieces' vertex counts.
+/// How much work a frame may do.
+///
+/// A unit is one distance query between two ordinary pieces, with the two support queries that follow it;
+/// pieces of many vertices take more units ([`crate::limits::QUERY_LANES`]). Eight impulses make a unit
+/// too, or 256 tests of two boxes beyond the frame's floor, and the search of a way out of overlap that the
+/// host made takes [`crate::limits::WAY_OUT_UNITS`] and more at once. A stage that is refused a unit ends
+/// there and takes no other: with exactly the units that a frame reports it gives the same bits again.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
     /// Units for moving driven bodies. With zero a driven body moves only as far as boxes alone prove
     /// its way clear; in free air that is all the way.
     pub advance_units: u32,
-    /// Units for loose objects: distance queries and impulses.
+    /// Units for loose objects: distance queries, impulses and what each event takes.
     pub impulse_units: u32,
     /// Steps of the solvers of chains: sweeps of cyclic descent, or least-deviation steps. A chain that
     /// gets none goes as far as contact lets its joints follow the trackers.

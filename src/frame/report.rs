@@ -1,5 +1,7 @@
 //! What a frame did.
 
+use super::Budget;
+
 /// What a frame did.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,6 +26,19 @@ pub struct FrameReport {
     pub events_dropped: u32,
     /// Time by which loose bodies were stopped before the end of the frame, at most, in seconds.
     pub lost_s: f32,
+    /// Driven bodies whose way was cut: the rest follows, before all others, in the next frame.
+    pub driven_cut: u32,
+    /// Chains that got fewer steps than they wanted.
+    pub chains_cut: u32,
+    /// Loose bodies that were stopped before the end of the frame.
+    pub loose_cut: u32,
+    /// Bodies of both kinds that were to move and have the poses of the last frame because there was no
+    /// time for them.
+    pub kept: u32,
+    /// What the frame costs whatever happens, by the deadline's prices, in nanoseconds; zero without one.
+    pub floor_ns: u64,
+    /// What it cost by those prices.
+    pub priced_ns: u64,
 }
 
 impl FrameReport {
@@ -43,6 +58,23 @@ impl FrameReport {
     pub const OVERLAP: u32 = 1 << 6;
     /// The budget's steps for chains were used up.
     pub const REACH_CUT: u32 = 1 << 7;
+    /// The frame's time was used up, by the deadline's prices.
+    pub const OUT_OF_TIME: u32 = 1 << 8;
+    /// The host's clock ended the frame's work. Stepping with the units of this report as the budget, and
+    /// no deadline, gives the same bits.
+    pub const LATE: u32 = 1 << 9;
+    /// The deadline is shorter than the frame's floor: no unit was spent.
+    pub const BELOW_FLOOR: u32 = 1 << 10;
+
+    /// The budget that leads to the same bits without a deadline or a clock.
+    #[must_use]
+    pub const fn spent(&self) -> Budget {
+        Budget {
+            advance_units: self.advance_units,
+            impulse_units: self.impulse_units,
+            reach_steps: self.reach_steps,
+        }
+    }
 
     pub(crate) fn set(&mut self, flag: u32) {
         self.flags |= flag;

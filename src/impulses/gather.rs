@@ -16,7 +16,7 @@ use crate::state::purse::Purse;
 use crate::state::rows::Row;
 
 /// Finds the contacts of all pairs at the start of a stretch; how many rows there are, `None` when the
-/// units ran out. One unit a pair.
+/// units ran out. A distance query for each pair whose boxes are close, part of a unit for the others.
 pub(super) fn run(
     state: &mut State,
     pairs: usize,
@@ -26,10 +26,11 @@ pub(super) fn run(
 ) -> Option<usize> {
     let mut count = 0;
     for index in 0..pairs {
-        if !purse.take() {
+        let measured = measure(state, index, stretch, purse);
+        if purse.is_closed() {
             return None;
         }
-        if let Some(measured) = measure(state, index, stretch)
+        if let Some(measured) = measured
             && !add_manifold(state, index, &measured, stretch, &mut count)
         {
             report.set(FrameReport::FULL_CONTACTS);

@@ -24,6 +24,9 @@ use crate::state::purse::Purse;
 use crate::state::rows::{Mover, Row};
 use crate::state::{Registers, State};
 
+/// Parts of a unit that a row takes in an attempt, beside its impulses.
+const ROW_PARTS: usize = 3;
+
 /// Gives the bodies of an island their motion at the start and the end of a stretch; how many impulses
 /// that took. In the first event of a frame, driven bodies may give way.
 pub(super) fn run(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut Purse) -> u32 {
@@ -33,6 +36,9 @@ pub(super) fn run(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut
     }
     let mut impulses = 0;
     for last in [false, false, false, true] {
+        if !purse.take_parts(event_parts(state, rows, stretch)) {
+            break;
+        }
         let answer = attempt(state, rows, last, stretch, purse);
         impulses += answer.impulses;
         if !answer.wedged {
@@ -44,6 +50,12 @@ pub(super) fn run(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut
         give_way(state, rows, stretch);
     }
     impulses
+}
+
+/// Parts of a unit for what an attempt takes beside its impulses.
+fn event_parts(state: &State, rows: usize, stretch: &Stretch) -> u32 {
+    let members = Members::of(state, stretch.island as usize).count();
+    (ROW_PARTS * rows + members) as u32
 }
 
 /// Every body in its mover, before impulses.
@@ -181,8 +193,7 @@ fn strike(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut Purse) 
         aim_strike(state, rows, index, stretch);
     }
     let mut posed = problem(state, rows, stretch);
-    let applied = posed.strike(purse.left());
-    purse.spend(applied);
+    let applied = posed.strike_paid(&mut |impulses| purse.take_parts(impulses));
     for row in &mut state.rows.rows[..rows] {
         row.struck = row.impulse;
     }
@@ -283,13 +294,13 @@ fn push(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut Purse) ->
     let rested = rest::run(&mut posed);
     warm_start(state, rows, stretch);
     let mut posed = problem(state, rows, stretch);
-    let mut applied = posed.spread(purse.left());
+    let mut pay = |impulses| purse.take_parts(impulses);
+    let mut applied = posed.spread_paid(&mut pay);
     for row in posed.rows.iter_mut() {
         row.pushes = 0;
     }
     posed.order = Order::Conjugate;
-    applied += posed.settle(purse.left() - applied);
-    purse.spend(applied);
+    applied += posed.settle_paid(&mut pay);
     rested + applied
 }
 

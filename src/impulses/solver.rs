@@ -103,13 +103,21 @@ impl Problem<'_> {
     /// Collides what approaches; how many impulses that took, at most `budget` and at most
     /// [`IMPULSES_PER_CONTACT_MAX`] a contact. Impulses add to [`Row::impulse`].
     pub fn strike(&mut self, budget: u32) -> u32 {
-        self.answer(Question::Strike, budget)
+        self.strike_paid(&mut within(budget))
+    }
+
+    pub(super) fn strike_paid(&mut self, pay: Pay) -> u32 {
+        self.answer(Question::Strike, pay)
     }
 
     /// Finds the impulses of a stretch of time that keep every contact at its target, starting from the
     /// rows' impulses, which are already in the movers' velocities ([`Problem::warm_start`]).
     pub fn settle(&mut self, budget: u32) -> u32 {
-        self.answer(Question::Settle, budget)
+        self.settle_paid(&mut within(budget))
+    }
+
+    pub(super) fn settle_paid(&mut self, pay: Pay) -> u32 {
+        self.answer(Question::Settle, pay)
     }
 
     /// Applies the rows' impulses to the movers.
@@ -125,13 +133,17 @@ impl Problem<'_> {
     /// Spreads impulses over whole manifolds, evenly, where none is known yet: what is pressed flat is
     /// pressed everywhere, where row after row would press one corner. How many impulses that took.
     pub fn spread(&mut self, budget: u32) -> u32 {
+        self.spread_paid(&mut within(budget))
+    }
+
+    pub(super) fn spread_paid(&mut self, pay: Pay) -> u32 {
         let mut applied = 0;
         for _ in 0..SPREADS_MAX {
             let before = applied;
             let mut first = 0;
             while first < self.rows.len() {
                 let end = self.end_of_manifold(first);
-                if applied < budget && end - first > 1 && self.spread_one(first, end) {
+                if end - first > 1 && self.spread_one(first, end, pay) {
                     applied += 1;
                 }
                 first = end;
@@ -145,7 +157,7 @@ impl Problem<'_> {
 
     /// One impulse at the middle of the manifold from `first` to `end`, if all of it approaches and none of
     /// its rows was given an impulse before.
-    fn spread_one(&mut self, first: usize, end: usize) -> bool {
+    fn spread_one(&mut self, first: usize, end: usize, pay: Pay) -> bool {
         let rows = &self.rows[first..end];
         let known = rows
             .iter()
@@ -172,7 +184,7 @@ impl Problem<'_> {
         }
         self.weigh(&mut middle);
         let velocity = self.relative_velocity(&middle);
-        if middle.target - velocity.dot(middle.normal) <= self.tolerance {
+        if middle.target - velocity.dot(middle.normal) <= self.tolerance || !pay(1) {
             return false;
         }
         let whole = whole_impulse(&middle, velocity - middle.mobility * middle.impulse);
@@ -205,30 +217,30 @@ impl Problem<'_> {
         worst
     }
 
-    fn answer(&mut self, question: Question, budget: u32) -> u32 {
+    fn answer(&mut self, question: Question, pay: Pay) -> u32 {
         match (self.order, question) {
             (Order::Conjugate, Question::Settle) => {
-                let applied = self.work_off(question, budget);
+                let applied = self.work_off(question, pay);
                 if self.rows.iter().all(|row| row.pushes < QUEUED_MAX) {
                     return applied;
                 }
-                applied + self.conjugate(budget - applied)
+                applied + self.conjugate(pay)
             }
-            (Order::Sweep | Order::Conjugate, _) => self.sweep(question, budget),
-            _ => self.work_off(question, budget),
+            (Order::Sweep | Order::Conjugate, _) => self.sweep(question, pay),
+            _ => self.work_off(question, pay),
         }
     }
 
     /// Sweeps that remember where they were going. Every sweep pushes every row; it ends when no row was
     /// off by more than the tolerance.
-    fn conjugate(&mut self, budget: u32) -> u32 {
+    fn conjugate(&mut self, pay: Pay) -> u32 {
         let mut applied = 0;
         let mut last = 0.0;
         for row in self.rows.iter_mut() {
             row.heading = Vec3::ZERO;
         }
         for sweep in 1..=SWEEPS_MAX {
-            if self.rows.len() as u32 > budget - applied {
+            if !pay(self.rows.len() as u32) {
                 break;
             }
             let worst = self.sweep_all();
@@ -280,15 +292,15 @@ impl Problem<'_> {
     }
 
     /// Pushes rows in turn until none needs it.
-    fn sweep(&mut self, question: Question, budget: u32) -> u32 {
+    fn sweep(&mut self, question: Question, pay: Pay) -> u32 {
         let mut applied = 0;
         for _ in 0..IMPULSES_PER_CONTACT_MAX {
             let before = applied;
             for index in 0..self.rows.len() {
-                if applied == budget {
-                    return applied;
-                }
                 if self.error(&self.rows[index], question) > self.tolerance {
+                    if !pay(1) {
+                        return applied;
+                    }
                     self.push(index, question);
                     applied += 1;
                 }
@@ -301,17 +313,17 @@ impl Problem<'_> {
     }
 
     /// Pushes the first row of the queue until the queue is empty.
-    fn work_off(&mut self, question: Question, budget: u32) -> u32 {
+    fn work_off(&mut self, question: Question, pay: Pay) -> u32 {
         for index in 0..self.rows.len() {
             self.rows[index].key = self.key(index, question);
             self.rows[index].place = 0;
         }
         let mut queue = Queue::build(self.queue, self.rows);
         let mut applied = 0;
-        while applied < budget {
-            let Some(index) = queue.top(self.queue) else {
+        while let Some(index) = queue.top(self.queue) {
+            if !pay(1) {
                 break;
-            };
+            }
             self.push(index, question);
             applied += 1;
             let row = self.rows[index];
@@ -469,6 +481,21 @@ impl Problem<'_> {
                 row.pushes = row.pushes.max(1);
             }
         }
+    }
+}
+
+/// Pays for so many impulses, all or none; whether it could.
+type Pay<'p> = &'p mut dyn FnMut(u32) -> bool;
+
+/// Pays for so many impulses in all.
+fn within(budget: u32) -> impl FnMut(u32) -> bool {
+    let mut left = budget;
+    move |impulses| match left.checked_sub(impulses) {
+        Some(rest) => {
+            left = rest;
+            true
+        }
+        None => false,
     }
 }
 

@@ -16,14 +16,19 @@ use crate::limits::{
 use crate::math::{self, Pose};
 use crate::state::State;
 use crate::state::bodies::{BodyKind, is_loose_kind};
-use crate::state::contacts::{self, Pair};
+use crate::state::contacts::{self, Pair, PairsFull, box_parts, query_units};
 use crate::state::pieces::Bounds;
 use crate::state::purse::Purse;
 use crate::state::ways::{self, BodyTrack, Leg, Position, piece_pose};
 
 /// Boxes around the ways of all pieces that are not the island's own loose ones, through the whole frame:
 /// they do not change with impulses.
-pub(super) fn begin(state: &mut State, island: u32) {
+///
+/// Takes part of a unit for every few pieces; false when there is none.
+pub(super) fn begin(state: &mut State, island: u32, purse: &mut Purse) -> bool {
+    if !purse.take_parts(box_parts(state.registers.piece_slots as usize)) {
+        return false;
+    }
     for piece in 0..state.registers.piece_slots as usize {
         let kind = state.pieces.body_kind[piece];
         let body = state.pieces.body[piece] as usize;
@@ -41,6 +46,7 @@ pub(super) fn begin(state: &mut State, island: u32) {
             state.islands.swept[piece] = bounds.grown(LOOSE_MARGIN_M);
         }
     }
+    true
 }
 
 /// The box of a piece of a loose body where it is now.
@@ -79,12 +85,17 @@ fn leg_track(leg: &Leg, index: usize) -> BodyTrack {
     }
 }
 
-/// Brings the pairs up to what may touch in a stretch; false when there is no room: raise
-/// [`crate::memory::Capacities::pairs`].
+/// Brings the pairs up to what may touch in a stretch; they are none when units run out, or when there is
+/// no room, which is an error: raise [`crate::memory::Capacities::pairs`].
 ///
 /// The boxes are grown, so that the pairs mostly stay as they are from event to event, with what is
 /// known of them.
-pub(super) fn update(state: &mut State, stretch: &Stretch, count: &mut Option<usize>) -> bool {
+pub(super) fn update(
+    state: &mut State,
+    stretch: &Stretch,
+    count: &mut Option<usize>,
+    purse: &mut Purse,
+) -> Result<(), PairsFull> {
     let mut covered = count.is_some();
     let mut next = Some(stretch.island as usize);
     while let Some(body) = next {
@@ -105,27 +116,32 @@ pub(super) fn update(state: &mut State, stretch: &Stretch, count: &mut Option<us
         }
     }
     if !covered {
-        *count = collect(state, stretch.island);
+        *count = None;
+        *count = collect(state, stretch.island, purse)?;
     }
-    count.is_some()
+    Ok(())
 }
 
-/// Writes the pairs whose boxes overlap and that have a loose piece of the island; `None` when there is
-/// no room.
-fn collect(state: &mut State, island: u32) -> Option<usize> {
+/// Writes the pairs whose boxes overlap and that have a loose piece of the island; `None` when the units
+/// ran out.
+fn collect(state: &mut State, island: u32, purse: &mut Purse) -> Result<Option<usize>, PairsFull> {
     let mut count = 0;
+    let tests = box_parts(state.registers.piece_slots as usize);
     let mut next = Some(island as usize);
     while let Some(body) = next {
         next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
         if is_loose_kind(state.bodies.kind[body]) {
             let mut piece = state.bodies.first_piece[body];
             while let Some(index) = piece.checked_sub(1) {
+                if !purse.take_parts(tests) {
+                    return Ok(None);
+                }
                 collect_piece(state, island, body, index as usize, &mut count)?;
                 piece = state.pieces.next[index as usize];
             }
         }
     }
-    Some(count)
+    Ok(Some(count))
 }
 
 fn collect_piece(
@@ -134,16 +150,16 @@ fn collect_piece(
     body: usize,
     a: usize,
     count: &mut usize,
-) -> Option<()> {
+) -> Result<(), PairsFull> {
     for b in 0..state.registers.piece_slots as usize {
         let Some(foreign) = may_touch(state, island, body, a, b) else {
             continue;
         };
         let mark = &mut state.registers.high_water.pairs;
-        contacts::push(state.islands.pairs, count, mark, a, b).ok()?;
+        contacts::push(state.islands.pairs, count, mark, a, b)?;
         state.islands.pairs[*count - 1].foreign = u32::from(foreign);
     }
-    Some(())
+    Ok(())
 }
 
 /// Whether two pieces may touch, and whether the second belongs to another island.
@@ -157,7 +173,15 @@ fn may_touch(state: &State, island: u32, body: usize, a: usize, b: usize) -> Opt
     let loose = is_loose_kind(kind);
     // Each pair of loose bodies once.
     let twice = loose && own && other <= body;
-    (other != body && !twice).then_some(!own && kind != BodyKind::Fixed.code())
+    (other != body && !twice && moves(state, body, other, own))
+        .then_some(!own && kind != BodyKind::Fixed.code())
+}
+
+/// Whether either of two bodies moves in this frame: those that are rationed do not.
+fn moves(state: &State, body: usize, other: usize, own: bool) -> bool {
+    let kind = state.bodies.kind[other];
+    let is_mover = kind == BodyKind::Driven.code() || (is_loose_kind(kind) && own);
+    !is_stopped(state, body, 0.0) || (is_mover && !is_stopped(state, other, 0.0))
 }
 
 /// A pair that is close at the start of a stretch.
@@ -171,8 +195,16 @@ pub(super) struct Measured {
 /// Measures the gap of a pair at the start of a stretch, by its boxes when they tell enough.
 ///
 /// Answers what the contacts are made from, or nothing when the pieces are farther apart than loose
-/// contacts are.
-pub(super) fn measure(state: &mut State, index: usize, stretch: &Stretch) -> Option<Measured> {
+/// contacts are, or when the units ran out: the pair stays unmeasured then.
+pub(super) fn measure(
+    state: &mut State,
+    index: usize,
+    stretch: &Stretch,
+    purse: &mut Purse,
+) -> Option<Measured> {
+    if !purse.take_parts(1) {
+        return None;
+    }
     let pair = state.islands.pairs[index];
     let (a, b) = (pair.a as usize, pair.b as usize);
     let pose_a = piece_at(state, a, stretch);
@@ -183,6 +215,9 @@ pub(super) fn measure(state: &mut State, index: usize, stretch: &Stretch) -> Opt
         let pair = &mut state.islands.pairs[index];
         pair.gap = apart;
         pair.measured = 1;
+        return None;
+    }
+    if !purse.take(query_units(shape_a, shape_b)) {
         return None;
     }
     let mut feature = pair.feature;
@@ -225,7 +260,9 @@ pub(super) fn run(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mu
             };
         };
         let time = state.islands.pairs[next].clear_until;
-        let over = time >= 1.0 || !purse.take() || certify(state, next, stretch, time);
+        let over = time >= 1.0
+            || !pays_for(state, next, pairs, purse)
+            || certify(state, next, stretch, time);
         if over {
             return Swept {
                 reached: math::min(time, 1.0),
@@ -235,6 +272,13 @@ pub(super) fn run(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mu
     }
 }
 
+/// Takes the units for certifying a pair.
+fn pays_for(state: &State, index: usize, pairs: usize, purse: &mut Purse) -> bool {
+    let pair = &state.islands.pairs[index];
+    let [a, b] = [pair.a, pair.b].map(|piece| &state.pieces.shape[piece as usize]);
+    purse.take_parts(contacts::scan_parts(pairs)) && purse.take(query_units(a, b))
+}
+
 /// How long the gaps at the start last at the most. Pairs that are new are measured first.
 fn start(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mut Purse) {
     for pair in &state.islands.pairs[..pairs] {
@@ -242,8 +286,8 @@ fn start(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mut Purse) 
         state.islands.way[pair.b as usize] = -1.0;
     }
     for index in 0..pairs {
-        if state.islands.pairs[index].measured == 0 && purse.take() {
-            measure(state, index, stretch);
+        if state.islands.pairs[index].measured == 0 {
+            measure(state, index, stretch, purse);
         }
         let pair = state.islands.pairs[index];
         let way = way_m(state, pair.a as usize, stretch) + way_m(state, pair.b as usize, stretch);

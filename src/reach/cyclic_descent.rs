@@ -31,6 +31,16 @@ const IDLE_SWEEPS_MAX: u32 = 4;
 /// A step is one sweep: forward kinematics and one rotation a hinge. With soft goals the best posture
 /// on the way is kept, and the sweeps end when four in a row have not bettered it.
 pub fn cyclic_descent(task: &Task, angles: &mut [f32], steps: u32) -> Reached {
+    cyclic_descent_paid(task, angles, steps, &mut || true)
+}
+
+/// The same, with every sweep paid for; it ends where paying is refused.
+pub(super) fn cyclic_descent_paid(
+    task: &Task,
+    angles: &mut [f32],
+    steps: u32,
+    pay: &mut dyn FnMut() -> bool,
+) -> Reached {
     let mut q = task.start(angles);
     let mut placed = posture(task.hinges, &task.root, &q);
     let mut best = (q.clone(), worst_m(task.goals, &placed));
@@ -40,6 +50,9 @@ pub fn cyclic_descent(task: &Task, angles: &mut [f32], steps: u32) -> Reached {
         let Some(effector) = effector(task, &placed) else {
             break;
         };
+        if !pay() {
+            break;
+        }
         sweep(task, &placed, &mut q, effector);
         placed = posture(task.hinges, &task.root, &q);
         used += 1;

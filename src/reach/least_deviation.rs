@@ -68,24 +68,34 @@ const STALL_STEPS: u32 = 4;
 /// solution and one forward kinematics. With all goals met at the tracked angles no step is taken. Fewer
 /// than six steps left mean no restart.
 pub fn least_deviation(task: &Task, angles: &mut [f32], steps: u32) -> Reached {
+    least_deviation_paid(task, angles, steps, &mut || true)
+}
+
+/// The same, with every step paid for; it ends where paying is refused, and is no different before.
+pub(super) fn least_deviation_paid(
+    task: &Task,
+    angles: &mut [f32],
+    steps: u32,
+    pay: &mut dyn FnMut() -> bool,
+) -> Reached {
     let mut best = Spot::new(task, task.start(angles));
     let mut used = 0;
     if !(best.is_met && best.cost == 0.0) {
-        used = descend(task, &mut best, steps, false);
+        used = descend(task, &mut best, steps, false, pay);
         let mut restart = 0;
         while restart < RESTARTS_MAX
             && steps - used >= RESTART_STEPS_MIN
             && best.misses_exactly(task)
         {
             let mut other = Spot::new(task, restarted(task, best.q.len(), restart));
-            used += descend(task, &mut other, steps - used, false);
+            used += descend(task, &mut other, steps - used, false, pay);
             if other.is_met || other.shortfall < best.shortfall {
                 best = other;
             }
             restart += 1;
         }
         if restart > 0 && !best.is_met {
-            used += descend(task, &mut best, steps - used, true);
+            used += descend(task, &mut best, steps - used, true, pay);
         }
     }
     for (angle, &found) in angles.iter_mut().zip(&best.q) {
@@ -99,14 +109,20 @@ pub fn least_deviation(task: &Task, angles: &mut [f32], steps: u32) -> Reached {
 
 /// Steps from a spot until nothing is gained; how many there were. Unless it is `patient`, it ends where
 /// exact goals come nearer too slowly, if steps are left to begin again.
-fn descend(task: &Task, spot: &mut Spot, steps: u32, patient: bool) -> u32 {
+fn descend(
+    task: &Task,
+    spot: &mut Spot,
+    steps: u32,
+    patient: bool,
+    pay: &mut dyn FnMut() -> bool,
+) -> u32 {
     let least_damping = if spot.is_soft { DAMPING_SOFT } else { DAMPING };
     let mut damping = least_damping;
     let mut used = 0;
     let (mut mark, mut since) = (spot.shortfall, 0);
     // Where the goals were last met before a step left them.
     let mut cheapest: Option<Spot> = None;
-    while used < steps {
+    while used < steps && pay() {
         used += 1;
         let was_met = spot.is_met;
         let mut program = Program::new(task, spot, used > 1 && !was_met, damping);

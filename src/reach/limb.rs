@@ -3,9 +3,9 @@
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
-use super::cyclic_descent::cyclic_descent;
+use super::cyclic_descent::cyclic_descent_paid;
 use super::goal::{Goal, Reached, Task};
-use super::least_deviation::least_deviation;
+use super::least_deviation::least_deviation_paid;
 use super::root::{HalfSpaces, add, nearest_outside};
 use super::skeleton::goes_with_root;
 use super::touch::{Goals, Place, Touches, deepest_m};
@@ -296,18 +296,23 @@ impl<'p> Problem<'p> {
         };
         let mut missed_m = 0.0;
         for _ in 0..ROUNDS {
-            let most = steps.left().min(REACH_STEPS_PER_LEG_MAX);
+            let most = REACH_STEPS_PER_LEG_MAX;
+            let mut refused = false;
+            let mut pay = || {
+                let paid = steps.take(1);
+                refused |= !paid;
+                paid
+            };
             let task = self.task(state);
             let found = if descends {
-                cyclic_descent(&task, &mut angles, most)
+                cyclic_descent_paid(&task, &mut angles, most, &mut pay)
             } else if self.soft == 0 {
-                least_deviation(&task, &mut angles, most)
+                least_deviation_paid(&task, &mut angles, most, &mut pay)
             } else {
-                slid(&task, self.soft, &mut angles, most)
+                slid(&task, self.soft, &mut angles, most, &mut pay)
             };
-            steps.spend(found.steps);
             state.chains.report[chain].steps += found.steps;
-            if most < REACH_STEPS_PER_LEG_MAX && found.steps >= most {
+            if refused {
                 state.chains.report[chain].flags |= ChainReport::CUT;
             }
             missed_m = found.missed_m;
@@ -369,19 +374,25 @@ impl<'p> Problem<'p> {
 
 /// Slides a tip that is held along the contact planes: the least deviation with the planes kept loosely,
 /// since they bend under it, and then the least change from there that keeps them.
-fn slid(task: &Task, soft: usize, angles: &mut Angles, steps: u32) -> Reached {
+fn slid(
+    task: &Task,
+    soft: usize,
+    angles: &mut Angles,
+    steps: u32,
+    pay: &mut dyn FnMut() -> bool,
+) -> Reached {
     let loose = Task {
         tolerance_m: SLIDING_M,
         ..*task
     };
-    let first = least_deviation(&loose, angles, steps.min(SLIDING_STEPS));
+    let first = least_deviation_paid(&loose, angles, steps.min(SLIDING_STEPS), pay);
     let wanted = angles.clone();
     let tight = Task {
         wanted: &wanted,
         goals: &task.goals[soft..],
         ..*task
     };
-    let second = least_deviation(&tight, angles, steps - first.steps.min(steps));
+    let second = least_deviation_paid(&tight, angles, steps - first.steps.min(steps), pay);
     Reached {
         steps: first.steps + second.steps,
         missed_m: second.missed_m,

@@ -276,6 +276,18 @@ pub(crate) struct Settled {
     /// Where its contacts lie among those that the host can read.
     pub first_contact: u32,
     pub contacts: u32,
+    /// Which of the driven bodies it was in the order of the last frame.
+    pub turn: u32,
+}
+
+/// What a body still waits for.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Waiting {
+    /// Frames in a row that ended before the body was through.
+    pub frames: u32,
+    /// One while the body overlaps where the host put it.
+    pub overlaps: u32,
 }
 
 columns! {
@@ -300,6 +312,7 @@ columns! {
         displacement: [Displacement; capacities.bodies],
         report: [DrivenReport; capacities.bodies],
         settled: [Settled; capacities.bodies],
+        waiting: [Waiting; capacities.bodies],
     }
 }
 

@@ -4,10 +4,11 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use crate::geometry::warm::WarmFeature;
+use crate::limits::{BOXES_PER_UNIT, PARTS_PER_UNIT, QUERY_LANES};
 use crate::memory::columns::columns;
 use crate::memory::ids::PieceId;
 use crate::state::State;
-use crate::state::pieces::Bounds;
+use crate::state::pieces::{Bounds, Shape};
 
 /// Two pieces that may touch within this frame.
 #[repr(C)]
@@ -71,6 +72,22 @@ columns! {
         /// Box around each piece's way through the frame.
         swept: [Bounds; capacities.pieces],
     }
+}
+
+/// Units of a distance query between two pieces.
+pub(crate) const fn query_units(a: &Shape, b: &Shape) -> u32 {
+    1 + (a.lanes + b.lanes) / (QUERY_LANES + 1)
+}
+
+/// Parts of a unit for looking through so many pairs.
+pub(crate) fn scan_parts(pairs: usize) -> u32 {
+    (pairs / 64) as u32
+}
+
+/// Parts of a unit for so many tests of two boxes.
+pub(crate) fn box_parts(tests: usize) -> u32 {
+    let per_part = (BOXES_PER_UNIT / PARTS_PER_UNIT) as usize;
+    tests.div_ceil(per_part) as u32
 }
 
 /// The pair that is certified clear for the shortest time, the first of those that tie.

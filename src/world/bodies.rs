@@ -10,7 +10,7 @@ use crate::memory::{BodyId, PieceId};
 use crate::publish::place_pieces;
 use crate::state::bodies::{
     BodyKind, BodyMass, Coupling, Displacement, DrivenReport, HostedImpulse, Load, Momentum,
-    Settled, Tracker, Yielding, is_loose_kind,
+    Settled, Tracker, Waiting, Yielding, is_loose_kind,
 };
 use crate::state::pieces::PiecesOf;
 
@@ -103,6 +103,7 @@ impl World<'_> {
         bodies.displacement[slot] = Displacement::default();
         bodies.report[slot] = DrivenReport::default();
         bodies.settled[slot] = Settled::default();
+        bodies.waiting[slot] = Waiting::default();
         bodies.load[slot] = Load::default();
         bodies.hosted[slot] = HostedImpulse::default();
         bodies.yielding[slot] = Yielding::default();

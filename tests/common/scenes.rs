@@ -59,6 +59,17 @@ impl Scene {
 
     /// Tells the trackers' news and steps the world.
     pub fn step(&mut self) -> FrameReport {
+        self.step_with(&FrameInput::unlimited(FRAME_S))
+    }
+
+    /// The same with another input.
+    pub fn step_with(&mut self, input: &FrameInput) -> FrameReport {
+        self.tell();
+        self.world.step(input)
+    }
+
+    /// Tells the trackers' news.
+    pub fn tell(&mut self) {
         if let Some((body, script)) = self.driven {
             self.world.set_target(body, &script(self.frame)).unwrap();
             if let Some(bending) = self.bending {
@@ -71,7 +82,6 @@ impl Scene {
             self.world.set_angles(chain, &angles).unwrap();
         }
         self.frame += 1;
-        self.world.step(&FrameInput::unlimited(FRAME_S))
     }
 
     /// The scene after so many frames.

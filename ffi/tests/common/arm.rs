@@ -159,11 +159,11 @@ pub fn arm() -> u64 {
                 _ => 0,
             };
             world.step(&FrameInput {
-                dt_s: 1.0 / 90.0,
                 budget: Budget {
                     reach_steps,
                     ..Budget::UNLIMITED
                 },
+                ..FrameInput::unlimited(1.0 / 90.0)
             });
         }
         other_trackers(world, arm);

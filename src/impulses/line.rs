@@ -1,0 +1,127 @@
+//! In which order islands go when time may run out, and who waits.
+
+use glam::Vec3;
+
+use super::islands;
+use crate::frame::FrameReport;
+use crate::math;
+use crate::state::State;
+use crate::state::bodies::{is_loose, is_loose_kind};
+use crate::state::islands::Members;
+
+/// The islands of a frame, one after the other: those first that waited for the most frames, then those
+/// nearest to what the host looks at, then by label.
+pub(super) struct Line {
+    focus: Option<Vec3>,
+    /// Nobody waits and nothing is looked at: the order is that of the labels.
+    is_plain: bool,
+    /// Key of the last that went.
+    last: Option<(u64, usize)>,
+}
+
+impl Line {
+    pub(super) fn new(state: &State, focus: Option<Vec3>) -> Self {
+        let slots = state.registers.body_slots as usize;
+        let waiting = &state.bodies.waiting[..slots];
+        let waits = (0..slots).any(|body| waiting[body].frames > 0 && is_loose(state, body));
+        Self {
+            focus,
+            is_plain: focus.is_none() && !waits,
+            last: None,
+        }
+    }
+
+    /// The label of the next island. Cost: a pass over the bodies.
+    pub(super) fn next(&mut self, state: &State) -> Option<usize> {
+        let first = match self.last {
+            Some((_, label)) if self.is_plain => label + 1,
+            _ => 0,
+        };
+        let mut least: Option<(u64, usize)> = None;
+        for label in first..state.registers.body_slots as usize {
+            if !islands::begins(state, label) {
+                continue;
+            }
+            let key = (self.key(state, label), label);
+            let is_new = self.last.is_none_or(|last| key > last);
+            if is_new && least.is_none_or(|least| key < least) {
+                least = Some(key);
+                if self.is_plain {
+                    break;
+                }
+            }
+        }
+        self.last = least;
+        least.map(|(_, label)| label)
+    }
+
+    /// What goes first is least.
+    fn key(&self, state: &State, label: usize) -> u64 {
+        if self.is_plain {
+            return 0;
+        }
+        let (mut frames, mut nearest) = (0, f32::INFINITY);
+        for body in Members::of(state, label) {
+            if is_loose_kind(state.bodies.kind[body]) {
+                frames = frames.max(state.bodies.waiting[body].frames);
+                let from = self.focus.unwrap_or_default();
+                let away = math::length(state.bodies.pose[body].translation() - from);
+                nearest = math::min(nearest, away);
+            }
+        }
+        let place = self.focus.map_or(0, |_| nearest.to_bits());
+        (u64::from(WAITED_MAX - frames) << 32) | u64::from(place)
+    }
+}
+
+/// Most frames that are counted.
+const WAITED_MAX: u32 = 16;
+
+/// Lets only some bodies of an island move that was too large for the frames before: half as many for every
+/// frame that ended before it moved at all, others each time. The rest stays where it is, with what speed it
+/// has, so that an island of any size moves on in turns.
+pub(super) fn ration(state: &mut State, label: usize) {
+    let (mut loose, mut frames) = (0, 0);
+    for body in Members::of(state, label) {
+        if is_loose_kind(state.bodies.kind[body]) {
+            loose += 1;
+            frames = frames.max(state.bodies.waiting[body].frames);
+        }
+    }
+    if frames == 0 {
+        return;
+    }
+    let share = (loose >> frames).max(1);
+    let first = (state.registers.frame % u64::from(loose)) as u32 * share % loose;
+    let (mut index, mut next) = (0, Some(label));
+    while let Some(body) = next {
+        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
+        if is_loose_kind(state.bodies.kind[body]) {
+            if (index + loose - first) % loose >= share {
+                state.legs.stop_time[body] = 0.0;
+            }
+            index += 1;
+        }
+    }
+}
+
+/// Notes how far an island came.
+pub(super) fn note(state: &mut State, label: usize, time: f32, report: &mut FrameReport) {
+    let mut next = Some(label);
+    while let Some(body) = next {
+        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
+        if !is_loose_kind(state.bodies.kind[body]) {
+            continue;
+        }
+        let stop = state.legs.stop_time[body];
+        let waiting = &mut state.bodies.waiting[body];
+        if time >= 1.0 {
+            waiting.frames = waiting.frames.saturating_sub(1);
+        } else {
+            let stuck = u32::from(time == 0.0);
+            waiting.frames = (waiting.frames + stuck).min(WAITED_MAX);
+            report.loose_cut += 1;
+            report.kept += u32::from(stop == 0.0);
+        }
+    }
+}
