@@ -4,6 +4,7 @@
 pub mod accuracy;
 pub mod avatar;
 pub mod compare;
+pub mod deadline;
 pub mod figures;
 pub mod gallery;
 pub mod hand;

@@ -10,6 +10,7 @@ use palpable_lab::accuracy::impulses::row::Case;
 use palpable_lab::avatar::Style;
 use palpable_lab::avatar::motions::SLAP_COUNT;
 use palpable_lab::compare;
+use palpable_lab::deadline::{self, Kit, Prices, Trial};
 use palpable_lab::figures::capture::{Clip, Obstacles};
 use palpable_lab::figures::suite::Suite;
 use palpable_lab::hand::Hand;
@@ -59,6 +60,27 @@ enum Command {
         #[arg(long, default_value_t = 1)]
         seed: u64,
         /// Where compare.json and the figures go.
+        #[arg(long, default_value = "out")]
+        out: PathBuf,
+    },
+    /// Measures what work costs on this machine, for deadlines in time.
+    Calibrate {
+        /// Frames of each part.
+        #[arg(long, default_value_t = 6000, value_parser = clap::value_parser!(u32).range(100..=10_000_000))]
+        frames: u32,
+        /// Where costs.json goes.
+        #[arg(long, default_value = "out")]
+        out: PathBuf,
+    },
+    /// Plays adversarial scenes at deadlines from 50 us up: times, misses, and error against time.
+    Deadline {
+        /// Frames of each scene at each deadline.
+        #[arg(long, default_value_t = 2000, value_parser = clap::value_parser!(u32).range(100..=10_000_000))]
+        frames: u32,
+        /// A costs.json; measured first when there is none.
+        #[arg(long)]
+        costs: Option<PathBuf>,
+        /// Where deadline.json and the figure go.
         #[arg(long, default_value = "out")]
         out: PathBuf,
     },
@@ -192,6 +214,8 @@ fn main() -> ExitCode {
             seed,
             out,
         }) => compared(*trackers, *slaps, *seed, out),
+        Some(Command::Calibrate { frames, out }) => calibrated(*frames, out).map(drop),
+        Some(Command::Deadline { frames, costs, out }) => deadlines(*frames, costs.as_deref(), out),
         Some(Command::Bvh {
             file,
             style,
@@ -348,6 +372,49 @@ fn figures(
     let slapped = suite.slaps(count, || bar.inc(1))?;
     bar.finish_and_clear();
     Ok((scenes, Some(slapped)))
+}
+
+/// Measures this machine's prices and writes them down.
+fn calibrated(frames: u32, out: &Path) -> Result<Prices, Box<dyn std::error::Error>> {
+    let kit = Kit::new(Hand::load()?);
+    let bar = progress(2 + Trial::ALL.len() as u64, "parts of the calibration")?;
+    let found = deadline::calibrate(&kit, frames, || bar.inc(1))?;
+    bar.finish_and_clear();
+    println!(
+        "{}\n",
+        deadline::table::of_prices(&found.prices, Some(&found))
+    );
+    std::fs::create_dir_all(out)?;
+    let path = out.join("costs.json");
+    std::fs::write(&path, serde_json::to_string_pretty(&found.prices)?)?;
+    println!("wrote {}", path.display());
+    Ok(found.prices)
+}
+
+fn deadlines(
+    frames: u32,
+    costs: Option<&Path>,
+    out: &Path,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let prices = match costs {
+        Some(file) => serde_json::from_str(&std::fs::read_to_string(file)?)
+            .map_err(|why| format!("{}: {why}", file.display()))?,
+        None => calibrated(6000, out)?,
+    };
+    let kit = Kit::new(Hand::load()?);
+    let runs = Trial::ALL.len() * (1 + deadline::DEADLINES_US.len());
+    let bar = progress(runs as u64, "runs")?;
+    let outcomes = deadline::run(&kit, &Trial::ALL, frames, prices, |_| bar.inc(1))?;
+    bar.finish_and_clear();
+    println!("{}\n", deadline::table::of_prices(&prices, None));
+    println!("{}\n", deadline::table::of_times(&outcomes));
+    println!("{}\n", deadline::table::of_errors(&outcomes));
+    let findings = deadline::Findings {
+        prices: &prices,
+        outcomes: &outcomes,
+    };
+    println!("wrote {}", deadline::write(&findings, out)?.display());
+    Ok(())
 }
 
 fn capture(

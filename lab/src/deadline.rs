@@ -1,0 +1,71 @@
+//! The hard deadline: what work costs on this machine, and what frames come to when there is too little
+//! time.
+
+pub mod costs;
+mod figure;
+pub mod play;
+pub mod set;
+pub mod stopwatch;
+pub mod table;
+pub mod trials;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use palpable::frame::CostTable;
+use serde::Serialize;
+
+pub use costs::{Calibration, Prices, calibrate};
+pub use figure::error_svg;
+pub use play::{DEADLINES_US, Outcome};
+pub use trials::{Kit, Trial};
+
+use crate::hand_scene::SceneError;
+
+/// All that was found, as `deadline.json` has it.
+#[derive(Debug, Serialize)]
+pub struct Findings<'a> {
+    /// The prices that the deadlines were kept by.
+    pub prices: &'a Prices,
+    /// Each trial at each deadline.
+    pub outcomes: &'a [Outcome],
+}
+
+/// Plays some trials without a deadline and at all deadlines; `tick` is called after each.
+///
+/// # Errors
+/// [`SceneError`] when a trial could not be set or played.
+pub fn run(
+    kit: &Kit,
+    trials: &[Trial],
+    frames: u32,
+    prices: Prices,
+    mut tick: impl FnMut(&Outcome),
+) -> Result<Vec<Outcome>, SceneError> {
+    let costs = CostTable::from(prices);
+    let mut outcomes = Vec::new();
+    for &trial in trials {
+        let mut trace = play::Trace::new();
+        let deadlines = std::iter::once(None).chain(DEADLINES_US.map(Some));
+        for deadline_us in deadlines {
+            let outcome = play::play(kit, trial, frames, deadline_us, &costs, &mut trace)?;
+            tick(&outcome);
+            outcomes.push(outcome);
+        }
+    }
+    Ok(outcomes)
+}
+
+/// Writes `deadline.json` and the figure.
+///
+/// # Errors
+/// What the file system says, or that a number was not finite.
+pub fn write(findings: &Findings, out: &Path) -> io::Result<PathBuf> {
+    std::fs::create_dir_all(out)?;
+    let json = serde_json::to_string_pretty(findings)?;
+    std::fs::write(out.join("deadline.json"), json)?;
+    let drawing = error_svg(findings.outcomes).map_err(io::Error::other)?;
+    let path = out.join("deadline-error.svg");
+    std::fs::write(&path, drawing)?;
+    Ok(path)
+}

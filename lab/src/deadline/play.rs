@@ -1,0 +1,271 @@
+//! A trial played at a deadline, and beside what it was without one.
+
+use glam::DVec3;
+use palpable::frame::{CostTable, Deadline, FrameInput, FrameReport};
+use palpable::limits::OVERLAP_SLOP_M;
+use palpable::world::World;
+use serde::Serialize;
+
+use super::set::{Cast, FIXED, Set};
+use super::stopwatch::timed;
+use super::trials::{Kit, RATE_HZ, Trial};
+use crate::hand_scene::{SceneError, poses_of_pieces};
+use crate::memory::Block;
+use crate::reference::Judge;
+
+/// Deadlines that are tried, in microseconds.
+pub const DEADLINES_US: [u32; 5] = [50, 100, 250, 500, 1000];
+
+/// Every so many frames the driven pieces are judged in f64.
+pub const JUDGED_EVERY: u32 = 50;
+
+/// Frames at the start that are not counted: a first frame finds nothing in the caches and everything new.
+const UNCOUNTED: u32 = 10;
+
+/// Quantiles of a frame time, in microseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Times {
+    /// At least half of the frames took at most this.
+    pub median: f64,
+    /// 99 in 100.
+    pub p99: f64,
+    /// 999 in 1000.
+    pub p999: f64,
+    /// 9999 in 10000.
+    pub p9999: f64,
+    /// The longest.
+    pub max: f64,
+}
+
+impl Times {
+    fn of(mut ns: Vec<u64>) -> Self {
+        ns.sort_unstable();
+        let at = |per: usize| {
+            let rank = (ns.len() * per).div_ceil(10_000);
+            rank.checked_sub(1).map_or(0.0, |i| 1e-3 * ns[i] as f64)
+        };
+        Self {
+            median: at(5000),
+            p99: at(9900),
+            p999: at(9990),
+            p9999: at(9999),
+            max: at(10_000),
+        }
+    }
+}
+
+/// What a trial came to at one deadline.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Outcome {
+    /// Name of the trial.
+    pub trial: &'static str,
+    /// In microseconds; `None` without one.
+    pub deadline_us: Option<u32>,
+    /// Frames that were counted.
+    pub frames: u32,
+    /// On the thread's processor.
+    pub cpu_us: Times,
+    /// By the wall.
+    pub wall_us: Times,
+    /// Frames that took longer than the deadline on the processor.
+    pub misses_cpu: u32,
+    /// Frames that took longer than the deadline by the wall.
+    pub misses_wall: u32,
+    /// Frames that took longer than they were priced.
+    pub above_price: u32,
+    /// Frames that were cut by time.
+    pub cut: u32,
+    /// Frames whose deadline was below their floor.
+    pub below_floor: u32,
+    /// Frames that were judged in f64.
+    pub judged: u32,
+    /// Judged frames in which a driven piece overlapped a fixed one by more than promised.
+    pub violations: u32,
+    /// Deepest overlap with a fixed piece, in millimetres.
+    pub overlap_mm: f64,
+    /// Mean distance of the driven pieces from where they were without a deadline, in millimetres.
+    pub error_mm_mean: f64,
+    /// The 99th percentile of the same over frames.
+    pub error_mm_p99: f64,
+    /// Mean time that a frame was priced at, in microseconds: what the error is drawn against.
+    pub priced_us_mean: f64,
+}
+
+/// Where the driven pieces were, frame by frame.
+pub type Trace = Vec<f32>;
+
+struct Counts {
+    cpu_ns: Vec<u64>,
+    wall_ns: Vec<u64>,
+    above_price: u32,
+    cut: u32,
+    below_floor: u32,
+    judged: u32,
+    violations: u32,
+    overlap_m: f64,
+    errors_m: Vec<f64>,
+    priced_ns: u64,
+}
+
+/// Plays so many frames of a trial. Without a deadline it fills the trace; with one it is compared with it.
+///
+/// # Errors
+/// [`SceneError`] when the trial could not be set or played.
+pub fn play(
+    kit: &Kit,
+    trial: Trial,
+    frames: u32,
+    deadline_us: Option<u32>,
+    costs: &CostTable,
+    trace: &mut Trace,
+) -> Result<Outcome, SceneError> {
+    let capacities = trial.capacities();
+    let mut block = Block::new(&capacities);
+    let mut world =
+        World::create(block.bytes(), &capacities).map_err(|e| SceneError(format!("{e:?}")))?;
+    let mut set = Set::new(&mut world);
+    kit.fill(trial, &mut set)?;
+    let (cast, judge) = (set.cast, set.judge);
+    let input = input(deadline_us, costs);
+    let mut counts = Counts::new(frames);
+    if deadline_us.is_none() {
+        trace.clear();
+    }
+    for frame in 0..frames + UNCOUNTED {
+        kit.tell(trial, &mut world, &cast, frame)?;
+        let (report, taken) = timed(|| world.step(&input));
+        if frame < UNCOUNTED {
+            continue;
+        }
+        counts.cpu_ns.push(taken.cpu_ns);
+        counts.wall_ns.push(taken.wall_ns);
+        counts.note(&report, taken.cpu_ns);
+        compare(
+            &world,
+            &cast,
+            deadline_us,
+            frame - UNCOUNTED,
+            trace,
+            &mut counts,
+        )?;
+        if frame % JUDGED_EVERY == 0 {
+            counts.judge(&judge, &world, &cast)?;
+        }
+    }
+    Ok(counts.outcome(trial, deadline_us))
+}
+
+fn input(deadline_us: Option<u32>, costs: &CostTable) -> FrameInput {
+    let dt_s = 1.0 / RATE_HZ;
+    match deadline_us {
+        // Priced all the same, so that the report tells what the frame cost.
+        None => FrameInput::within(
+            dt_s,
+            Deadline {
+                time_ns: 1 << 50,
+                costs: *costs,
+            },
+        ),
+        Some(us) => FrameInput::within(
+            dt_s,
+            Deadline {
+                time_ns: u64::from(us) * 1000,
+                costs: *costs,
+            },
+        ),
+    }
+}
+
+/// Notes where the driven pieces are, or how far they are from what was noted.
+fn compare(
+    world: &World,
+    cast: &Cast,
+    deadline_us: Option<u32>,
+    frame: u32,
+    trace: &mut Trace,
+    counts: &mut Counts,
+) -> Result<(), SceneError> {
+    let count = cast.pieces.len();
+    let first = frame as usize * count * 3;
+    let mut sum = 0.0;
+    for (index, &piece) in cast.pieces.iter().enumerate() {
+        let pose = world
+            .piece_pose(piece)
+            .map_err(|e| SceneError(format!("{e:?}")))?;
+        if deadline_us.is_none() {
+            trace.extend(pose.position);
+        } else {
+            let noted = &trace[first + 3 * index..first + 3 * index + 3];
+            let [x, y, z]: [f64; 3] =
+                std::array::from_fn(|i| f64::from(pose.position[i]) - f64::from(noted[i]));
+            sum += DVec3::new(x, y, z).length();
+        }
+    }
+    counts.errors_m.push(sum / count.max(1) as f64);
+    Ok(())
+}
+
+impl Counts {
+    fn new(frames: u32) -> Self {
+        let room = frames as usize;
+        Self {
+            cpu_ns: Vec::with_capacity(room),
+            wall_ns: Vec::with_capacity(room),
+            above_price: 0,
+            cut: 0,
+            below_floor: 0,
+            judged: 0,
+            violations: 0,
+            overlap_m: 0.0,
+            errors_m: Vec::with_capacity(room),
+            priced_ns: 0,
+        }
+    }
+
+    fn note(&mut self, report: &FrameReport, cpu_ns: u64) {
+        let has = |flag: u32| u32::from(report.flags & flag != 0);
+        self.above_price += u32::from(cpu_ns > report.priced_ns);
+        self.cut += has(FrameReport::OUT_OF_TIME);
+        self.below_floor += has(FrameReport::BELOW_FLOOR);
+        self.priced_ns += report.priced_ns;
+    }
+
+    fn judge(&mut self, judge: &Judge, world: &World, cast: &Cast) -> Result<(), SceneError> {
+        let verdict = judge.frame(&poses_of_pieces(world, &cast.pieces)?);
+        let depth = verdict.depth_between("driven", FIXED);
+        self.judged += 1;
+        self.violations += u32::from(depth > f64::from(OVERLAP_SLOP_M));
+        self.overlap_m = self.overlap_m.max(depth);
+        Ok(())
+    }
+
+    fn outcome(mut self, trial: Trial, deadline_us: Option<u32>) -> Outcome {
+        let frames = self.cpu_ns.len();
+        let late = |ns: &[u64]| {
+            let most = deadline_us.map_or(u64::MAX, |us| u64::from(us) * 1000);
+            ns.iter().filter(|&&ns| ns > most).count() as u32
+        };
+        let (misses_cpu, misses_wall) = (late(&self.cpu_ns), late(&self.wall_ns));
+        let mean = self.errors_m.iter().sum::<f64>() / frames.max(1) as f64;
+        self.errors_m.sort_by(f64::total_cmp);
+        let p99 = self.errors_m[(frames * 99).div_ceil(100).max(1) - 1];
+        Outcome {
+            trial: trial.name(),
+            deadline_us,
+            frames: frames as u32,
+            cpu_us: Times::of(self.cpu_ns),
+            wall_us: Times::of(self.wall_ns),
+            misses_cpu,
+            misses_wall,
+            above_price: self.above_price,
+            cut: self.cut,
+            below_floor: self.below_floor,
+            judged: self.judged,
+            violations: self.violations,
+            overlap_mm: 1e3 * self.overlap_m,
+            error_mm_mean: 1e3 * mean,
+            error_mm_p99: 1e3 * p99,
+            priced_us_mean: 1e-3 * self.priced_ns as f64 / frames.max(1) as f64,
+        }
+    }
+}
