@@ -7,7 +7,7 @@ use crate::geometry::time_of_contact::MovingPair;
 use crate::limits::{GAP_FLOOR_M, STEP_MIN_M};
 use crate::math;
 use crate::state::State;
-use crate::state::contacts::{Pair, least_certified, query_units, scan_parts};
+use crate::state::contacts::{Pair, choice_parts, least_certified, query_units, scan_parts};
 use crate::state::purse::Purse;
 use crate::state::ways::{BodyTrack, is_own, pair_motions, piece_motion};
 
@@ -26,6 +26,12 @@ pub(crate) struct Swept {
 /// only the pairs that matter are queried, and the body may stop at any time at the least certified
 /// share.
 pub(crate) fn run(state: &mut State, pairs: usize, leg: &BodyTrack, purse: &mut Purse) -> Swept {
+    if !purse.take_parts(scan_parts(pairs)) {
+        return Swept {
+            reached: 0.0,
+            cut: true,
+        };
+    }
     start(state, pairs, leg);
     loop {
         let Some(next) = least_certified(&state.pairs.list[..pairs]) else {
@@ -44,7 +50,7 @@ pub(crate) fn run(state: &mut State, pairs: usize, leg: &BodyTrack, purse: &mut 
         let pair = &state.pairs.list[next];
         let [a, b] = [pair.a, pair.b].map(|piece| &state.pieces.shape[piece as usize]);
         let units = query_units(a, b);
-        if !purse.take_parts(scan_parts(pairs)) || !purse.take(units) {
+        if !purse.take_parts(choice_parts(pairs)) || !purse.take(units) {
             return Swept {
                 reached: time,
                 cut: true,
@@ -61,6 +67,7 @@ pub(crate) fn run(state: &mut State, pairs: usize, leg: &BodyTrack, purse: &mut 
 
 /// What is known of the gaps, as shares of this leg.
 fn start(state: &mut State, pairs: usize, leg: &BodyTrack) {
+    forget_ways(state, pairs);
     for index in 0..pairs {
         let pair = state.pairs.list[index];
         let way = way_of(state, &pair, leg);
@@ -76,14 +83,35 @@ fn start(state: &mut State, pairs: usize, leg: &BodyTrack) {
     }
 }
 
-/// How much nearer the pieces of a pair can come on the whole leg, in metres.
-fn way_of(state: &State, pair: &Pair, leg: &BodyTrack) -> f32 {
-    if is_own(state, pair) {
-        let (a, b) = pair_motions(state, pair, leg);
-        a.way_m() + b.way_m()
-    } else {
-        piece_motion(state, pair.a as usize, leg).way_m()
+/// The ways of the leg before are none of this one.
+fn forget_ways(state: &mut State, pairs: usize) {
+    for index in 0..pairs {
+        let pair = &state.pairs.list[index];
+        for piece in [pair.a as usize, pair.b as usize] {
+            state.pairs.way[piece] = -1.0;
+            state.pairs.own_way[piece] = -1.0;
+        }
     }
+}
+
+/// How much nearer the pieces of a pair can come on the whole leg, in metres. Worked out once a piece.
+fn way_of(state: &mut State, pair: &Pair, leg: &BodyTrack) -> f32 {
+    let (a, b) = (pair.a as usize, pair.b as usize);
+    if is_own(state, pair) {
+        own_way(state, a, leg) + own_way(state, b, leg)
+    } else {
+        if state.pairs.way[a] < 0.0 {
+            state.pairs.way[a] = piece_motion(state, a, leg).way_m();
+        }
+        state.pairs.way[a]
+    }
+}
+
+fn own_way(state: &mut State, piece: usize, leg: &BodyTrack) -> f32 {
+    if state.pairs.own_way[piece] < 0.0 {
+        state.pairs.own_way[piece] = piece_motion(state, piece, &leg.in_root()).way_m();
+    }
+    state.pairs.own_way[piece]
 }
 
 /// Certifies a pair beyond `time`; true when it cannot be, so that it blocks the way.

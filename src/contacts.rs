@@ -112,12 +112,13 @@ pub(crate) fn measure_touching(
     if !purse.take_parts(contacts::scan_parts(pairs)) {
         return false;
     }
+    let mut known = None;
     for index in 0..pairs {
         let pair = state.pairs.list[index];
         if pair.measured == 1 || !touches(pair.gap) {
             continue;
         }
-        let (poses, apart) = boxes_apart(state, &pair, at);
+        let (poses, apart) = boxes_apart(state, &pair, at, &mut known);
         let pair = &mut state.pairs.list[index];
         pair.gap_time = 0.0;
         if !touches(apart) {
@@ -133,9 +134,12 @@ pub(crate) fn measure_touching(
     true
 }
 
+/// A piece, where it is, and its box: pairs of one piece follow each other.
+type Placed = Option<(u32, Pose, Bounds)>;
+
 /// Where the pieces of a pair are, and how far their boxes are apart: in the root's frame for pieces of one
 /// body.
-fn boxes_apart(state: &State, pair: &Pair, at: &Position) -> ([Pose; 2], f32) {
+fn boxes_apart(state: &State, pair: &Pair, at: &Position, known: &mut Placed) -> ([Pose; 2], f32) {
     let (a, b) = (pair.a as usize, pair.b as usize);
     let shapes = &state.pieces.shape;
     if is_own(state, pair) {
@@ -143,9 +147,16 @@ fn boxes_apart(state: &State, pair: &Pair, at: &Position) -> ([Pose; 2], f32) {
         let bounds = Bounds::of(&shapes[a], &poses[0]);
         return (poses, bounds.gap(&Bounds::of(&shapes[b], &poses[1])));
     }
-    let poses = [piece_pose(state, a, at), obstacle_pose(state, b)];
-    let bounds = Bounds::of(&shapes[a], &poses[0]);
-    (poses, bounds.gap(&obstacle_bounds(state, b)))
+    let (pose, bounds) = match *known {
+        Some((piece, pose, bounds)) if piece == pair.a => (pose, bounds),
+        _ => {
+            let pose = piece_pose(state, a, at);
+            (pose, Bounds::of(&shapes[a], &pose))
+        }
+    };
+    *known = Some((pair.a, pose, bounds));
+    let apart = bounds.gap(&obstacle_bounds(state, b));
+    ([pose, obstacle_pose(state, b)], apart)
 }
 
 /// Measures the gap of a pair, and where it is in the world.

@@ -11,7 +11,7 @@ use glam::Vec3;
 
 use crate::frame::{FrameReport, Spending};
 use crate::geometry::linkage::angle_at;
-use crate::limits::{ADVANCE_UNITS_MAX, LEGS_MAX, PAIR_MARGIN_M, ROUNDS_MAX, STILL_M};
+use crate::limits::{ADVANCE_UNITS_MAX, LEGS_MAX, PAIR_MARGIN_M, PLAN_UNITS, ROUNDS_MAX, STILL_M};
 use crate::math::{self, Pose};
 use crate::reach::{self, Hold, Plan};
 use crate::state::State;
@@ -374,7 +374,7 @@ impl Walk {
     fn pays_for_pairs(&mut self, state: &State, purse: &mut Purse) -> bool {
         let own = PiecesOf::new(state.pieces.next, state.bodies.first_piece[self.body]).count();
         let tests = own * state.registers.piece_slots as usize;
-        let paid = purse.take_parts(box_parts(tests));
+        let paid = purse.take_parts(2 * own as u32 + box_parts(tests));
         if !paid {
             self.flags |= DrivenReport::CUT;
         }
@@ -424,6 +424,10 @@ impl Walk {
         }
         if plan.bent {
             self.flags |= DrivenReport::TOUCHING;
+            if !purses.units.take(PLAN_UNITS) {
+                self.flags |= DrivenReport::CUT;
+                return Ok(Next::Done);
+            }
         }
         Ok(self.sweep(state, &plan, &mut purses.units))
     }

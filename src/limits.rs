@@ -83,6 +83,9 @@ pub const PARTS_PER_UNIT: u32 = 8;
 /// Tests of two boxes that make a unit.
 pub const BOXES_PER_UNIT: u32 = 256;
 
+/// Units for planning a leg along contacts, beside the steps of chains.
+pub const PLAN_UNITS: u32 = 1;
+
 /// Units for the search of a way out of overlap that the host made, and for each pair that it looks at.
 /// It is not begun with fewer.
 pub const WAY_OUT_UNITS: u32 = 64;

@@ -74,6 +74,10 @@ impl Line {
     }
 }
 
+/// Every so many frames an island that was through with its ration gets a larger one. What it cannot use is
+/// a frame in which it does not move.
+const TRIES_MORE_EVERY: u64 = 8;
+
 /// Most frames that are counted.
 const WAITED_MAX: u32 = 16;
 
@@ -114,9 +118,10 @@ pub(super) fn note(state: &mut State, label: usize, time: f32, report: &mut Fram
             continue;
         }
         let stop = state.legs.stop_time[body];
+        let tries_more = state.registers.frame.is_multiple_of(TRIES_MORE_EVERY);
         let waiting = &mut state.bodies.waiting[body];
         if time >= 1.0 {
-            waiting.frames = waiting.frames.saturating_sub(1);
+            waiting.frames = waiting.frames.saturating_sub(u32::from(tries_more));
         } else {
             let stuck = u32::from(time == 0.0);
             waiting.frames = (waiting.frames + stuck).min(WAITED_MAX);

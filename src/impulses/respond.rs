@@ -25,7 +25,10 @@ use crate::state::rows::{Mover, Row};
 use crate::state::{Registers, State};
 
 /// Parts of a unit that a row takes in an attempt, beside its impulses.
-const ROW_PARTS: usize = 3;
+const ROW_PARTS: usize = 4;
+
+/// The same for a body.
+const MEMBER_PARTS: usize = 3;
 
 /// Gives the bodies of an island their motion at the start and the end of a stretch; how many impulses
 /// that took. In the first event of a frame, driven bodies may give way.
@@ -55,7 +58,7 @@ pub(super) fn run(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut
 /// Parts of a unit for what an attempt takes beside its impulses.
 fn event_parts(state: &State, rows: usize, stretch: &Stretch) -> u32 {
     let members = Members::of(state, stretch.island as usize).count();
-    (ROW_PARTS * rows + members) as u32
+    (ROW_PARTS * rows + MEMBER_PARTS * members) as u32
 }
 
 /// Every body in its mover, before impulses.

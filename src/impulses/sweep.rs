@@ -35,6 +35,9 @@ pub(super) fn begin(state: &mut State, island: u32, purse: &mut Purse) -> bool {
         let own = is_loose_kind(kind) && state.islands.label[body] == island;
         if !own {
             let bounds = if kind == BodyKind::Driven.code() {
+                if !purse.take_parts(state.legs.count[body]) {
+                    return false;
+                }
                 driven_bounds(state, piece)
             } else if is_loose_kind(kind) {
                 loose_bounds(state, piece, body)
@@ -105,6 +108,10 @@ pub(super) fn update(
         }
         let mut piece = state.bodies.first_piece[body];
         while let Some(index) = piece.checked_sub(1) {
+            if !purse.take_parts(1) {
+                *count = None;
+                return Ok(());
+            }
             let index = index as usize;
             let way = ways::swept_bounds(state, index, &motion(state, index, stretch));
             let bounds = way.grown(LOOSE_MARGIN_M);
@@ -251,6 +258,12 @@ pub(super) struct Swept {
 
 /// Advances all pairs; how long everybody stays clear.
 pub(super) fn run(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mut Purse) -> Swept {
+    if !purse.take_parts(contacts::scan_parts(pairs)) {
+        return Swept {
+            reached: 0.0,
+            blocked: 0,
+        };
+    }
     start(state, pairs, stretch, purse);
     loop {
         let Some(next) = contacts::least_certified(&state.islands.pairs[..pairs]) else {
@@ -276,7 +289,7 @@ pub(super) fn run(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mu
 fn pays_for(state: &State, index: usize, pairs: usize, purse: &mut Purse) -> bool {
     let pair = &state.islands.pairs[index];
     let [a, b] = [pair.a, pair.b].map(|piece| &state.pieces.shape[piece as usize]);
-    purse.take_parts(contacts::scan_parts(pairs)) && purse.take(query_units(a, b))
+    purse.take_parts(contacts::choice_parts(pairs)) && purse.take(query_units(a, b))
 }
 
 /// How long the gaps at the start last at the most. Pairs that are new are measured first.

@@ -71,6 +71,10 @@ columns! {
         list: [Pair; capacities.pairs],
         /// Box around each piece's way through the frame.
         swept: [Bounds; capacities.pieces],
+        /// How far any point of each piece goes on a leg, in metres, and how far as its own root sees it;
+        /// negative while that is not known.
+        way: [f32; capacities.pieces],
+        own_way: [f32; capacities.pieces],
     }
 }
 
@@ -79,9 +83,14 @@ pub(crate) const fn query_units(a: &Shape, b: &Shape) -> u32 {
     1 + (a.lanes + b.lanes) / (QUERY_LANES + 1)
 }
 
-/// Parts of a unit for looking through so many pairs.
-pub(crate) fn scan_parts(pairs: usize) -> u32 {
-    (pairs / 64) as u32
+/// Parts of a unit for looking through so many pairs, for each of which a box or a way is worked out.
+pub(crate) const fn scan_parts(pairs: usize) -> u32 {
+    (pairs / 16) as u32
+}
+
+/// Parts of a unit for finding the least certified of so many pairs.
+pub(crate) const fn choice_parts(pairs: usize) -> u32 {
+    (pairs / 128) as u32
 }
 
 /// Parts of a unit for so many tests of two boxes.
