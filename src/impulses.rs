@@ -178,7 +178,8 @@ impl Island {
     /// Events up to the end of the frame; the share of the frame that was reached.
     fn go(&mut self, state: &mut State, purse: &mut Purse, report: &mut FrameReport) -> f32 {
         let mut stalls = 0;
-        for _ in 0..EVENTS_MAX {
+        let full = line::full_events(state, self.stretch.island as usize);
+        for event in 0..EVENTS_MAX {
             let from = self.stretch.from;
             let Some(blocked) = self.advance(state, purse, report) else {
                 return from;
@@ -189,16 +190,32 @@ impl Island {
             }
             stalls = if time - from <= 1e-4 { stalls + 1 } else { 0 };
             if stalls > STALLS_MAX {
-                movers::stop_blocked(state, blocked, time);
+                movers::stop_blocked(state, blocked.unwrap_or_default(), time);
                 stalls = 0;
             }
             self.stretch.to = next_break(state, self.stretch.island as usize, time);
+            if event >= full {
+                self.go_on(state, blocked, time);
+                continue;
+            }
             touch::forget(state, &self.stretch);
             if !self.solve(state, purse, report) {
                 return time;
             }
         }
         self.stretch.from
+    }
+
+    /// Goes on without answering an event: who blocked the way waits for the next frame, with what speed it
+    /// has, and all others keep theirs.
+    fn go_on(&mut self, state: &mut State, blocked: Option<usize>, time: f32) {
+        if let Some(pair) = blocked {
+            movers::wait_blocked(state, pair, time);
+        }
+        self.rows = 0;
+        respond::ready(state, &self.stretch);
+        islands::note_centres(state, self.stretch.island as usize);
+        islands::aim(state, &self.stretch);
     }
 
     /// Brings the pairs up to what may touch in the stretch; there are none when units or room ran out.
@@ -228,21 +245,21 @@ impl Island {
         true
     }
 
-    /// Moves everybody as far as all stay clear; the pair that ended it, `None` when nobody could move.
+    /// Moves everybody as far as all stay clear; the pair that ended it, if one did, `None` when nobody could
+    /// move.
     fn advance(
         &mut self,
         state: &mut State,
         purse: &mut Purse,
         report: &mut FrameReport,
-    ) -> Option<usize> {
+    ) -> Option<Option<usize>> {
         self.pairs?;
         let stretch = self.stretch;
         self.update(state, purse, report);
         let mut swept = sweep::run(state, self.pairs?, &stretch, purse);
-        swept.reached = math::min(
-            swept.reached,
-            respond::holds_for(state, self.rows, &stretch),
-        );
+        let holds_for = respond::holds_for(state, self.rows, &stretch);
+        let blocked = (swept.reached < 1.0 && swept.reached <= holds_for).then_some(swept.blocked);
+        swept.reached = math::min(swept.reached, holds_for);
         touch::note_forces(state, self.rows, &stretch, swept.reached);
         movers::advance(state, &stretch, swept.reached);
         self.stretch.from = if swept.reached >= 1.0 {
@@ -250,7 +267,7 @@ impl Island {
         } else {
             stretch.from + (stretch.to - stretch.from) * swept.reached
         };
-        Some(swept.blocked)
+        Some(blocked)
     }
 }
 

@@ -78,8 +78,7 @@ pub(crate) fn collect_driven(
             state.pairs.swept[piece] = Bounds::ALL;
             continue;
         }
-        let motion = piece_motion(state, piece, track);
-        let bounds = swept_bounds(state, piece, &motion).grown(PAIR_MARGIN_M);
+        let bounds = any_way(state, piece, track).grown(PAIR_MARGIN_M);
         if keeps {
             state.pairs.swept[piece] = bounds;
         }
@@ -94,6 +93,33 @@ pub(crate) fn collect_driven(
         own::collect(state, body, track, &mut count)?;
     }
     Ok(count)
+}
+
+/// A box around a piece wherever its root is on the way, and however far it has turned and moved within the
+/// body there: contact may hold back the one and not the other.
+fn any_way(state: &State, piece: usize, track: &BodyTrack) -> Bounds {
+    let turned = |local_from: f32, local_to: f32| {
+        let turning = BodyTrack {
+            root: track.root.turning(),
+            local_from,
+            local_to,
+            leg: track.leg,
+        };
+        swept_bounds(state, piece, &piece_motion(state, piece, &turning))
+    };
+    let (first, last) = (track.local_from, track.local_to);
+    let mut turned_box = turned(first, last);
+    if state.pieces.local[piece] != state.pieces.local_target[piece] {
+        // Between these, a point of the piece is on straight lines but for what the first one bulges.
+        turned_box = turned_box
+            .union(turned(first, first))
+            .union(turned(last, last));
+    }
+    let (from, to) = (track.root.from.translation(), track.root.to.translation());
+    Bounds {
+        low: turned_box.low + math::min_each(from, to),
+        high: turned_box.high + math::max_each(from, to),
+    }
 }
 
 fn pass(state: &State, piece: usize, other: usize) -> bool {

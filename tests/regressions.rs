@@ -290,3 +290,36 @@ fn loose_box_kept_awake_rests_to_the_bit() {
     }
     assert_eq!(flags, 0, "low {low} {:?}", world.pose(b).unwrap());
 }
+
+#[test]
+fn an_arm_that_cannot_turn_on_its_way_meets_what_only_the_unturned_one_can() {
+    // A finger that points up in a shaft; its tracker lies it down far above. In the shaft it cannot turn,
+    // so it goes up as it is, and a ceiling is in its way that is not in the way of one that turned.
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    for side in [-1.0, 1.0] {
+        let wall = Pose::at(side * 0.512, 1.0, 0.0);
+        add_box(&mut world, BodyKind::Fixed, wall, [0.5, 3.0, 0.5]);
+    }
+    let ceiling = Pose::at(0.0, 2.05, 0.0);
+    add_box(&mut world, BodyKind::Fixed, ceiling, [1.0, 0.05, 1.0]);
+    let finger = world
+        .add_body(&BodyDef::new(BodyKind::Driven, Pose::IDENTITY))
+        .unwrap();
+    let shape = Shape::Segment([0.0; 3], [0.0, 0.5, 0.0]);
+    add_piece(&mut world, finger, &PieceDef::new(shape, 0.01));
+    let half_turn = std::f32::consts::FRAC_1_SQRT_2;
+    let lying = Pose {
+        rotation: [0.0, 0.0, half_turn, half_turn],
+        position: [0.0, 1.6, 0.0],
+    };
+    world.set_target(finger, &lying).unwrap();
+    world.step(&FrameInput::unlimited(FRAME_S));
+    let pose = world.pose(finger).unwrap();
+    let [x, y, z, w] = pose.rotation.map(f64::from);
+    // Height of the finger's far end: the second row of the rotation, times 0.5 up.
+    let far = f64::from(pose.position[1]) + 0.5 * (w * w + y * y - x * x - z * z);
+    let top = far.max(f64::from(pose.position[1])) + 0.01;
+    assert!(top < 2.0 + 1e-4, "the ceiling is at 2, the finger at {top}");
+    assert!(top > 0.6, "the finger did not move");
+}

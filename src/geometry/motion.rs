@@ -56,6 +56,22 @@ impl Track {
         }
     }
 
+    /// The same turn at the origin.
+    #[must_use]
+    pub const fn turning(&self) -> Self {
+        Self {
+            from: Pose {
+                position: [0.0; 3],
+                ..self.from
+            },
+            to: Pose {
+                position: [0.0; 3],
+                ..self.to
+            },
+            ..*self
+        }
+    }
+
     /// The pose at a time in 0..=1.
     #[inline]
     #[must_use]

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::islands;
 use crate::frame::FrameReport;
+use crate::limits::EVENTS_MAX;
 use crate::math;
 use crate::state::State;
 use crate::state::bodies::{is_loose, is_loose_kind};
@@ -122,11 +123,25 @@ pub(super) fn note(state: &mut State, label: usize, time: f32, report: &mut Fram
         let waiting = &mut state.bodies.waiting[body];
         if time >= 1.0 {
             waiting.frames = waiting.frames.saturating_sub(u32::from(tries_more));
+            waiting.hurry = waiting.hurry.saturating_sub(u32::from(tries_more));
         } else {
             let stuck = u32::from(time == 0.0);
             waiting.frames = (waiting.frames + stuck).min(WAITED_MAX);
-            report.loose_cut += 1;
-            report.kept += u32::from(stop == 0.0);
+            waiting.hurry = (waiting.hurry + 1).min(HURRY_MAX);
         }
+        report.loose_cut += u32::from(stop < 1.0);
+        report.kept += u32::from(stop == 0.0);
     }
 }
+
+/// How many events of an island are answered in full: all, or an eighth for every time it was cut lately.
+pub(super) fn full_events(state: &State, label: usize) -> u32 {
+    let mut hurry = 0;
+    for body in Members::of(state, label) {
+        hurry = hurry.max(state.bodies.waiting[body].hurry);
+    }
+    EVENTS_MAX >> (3 * hurry)
+}
+
+/// Levels of hurry; at the last, only the first event of a frame is answered.
+const HURRY_MAX: u32 = 2;

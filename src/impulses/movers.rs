@@ -287,6 +287,31 @@ pub(super) fn stop_blocked(state: &mut State, blocked: usize, time: f32) {
     }
 }
 
+/// Has the bodies of the pair that blocked the way wait for the next frame: the driven one, or else the loose
+/// ones, with what speed they have.
+pub(super) fn wait_blocked(state: &mut State, blocked: usize, time: f32) {
+    let pair = state.islands.pairs[blocked];
+    let bodies = [pair.a, pair.b].map(|piece| state.pieces.body[piece as usize] as usize);
+    let driven = |body: &usize| state.bodies.kind[*body] == BodyKind::Driven.code();
+    let stops = |state: &mut State, body: usize| {
+        let stop = &mut state.legs.stop_time[body];
+        let runs = *stop > time;
+        *stop = math::min(*stop, time);
+        runs
+    };
+    let stopped = bodies
+        .into_iter()
+        .find(driven)
+        .is_some_and(|body| stops(state, body));
+    if !stopped {
+        for body in bodies {
+            if is_loose_kind(state.bodies.kind[body]) {
+                stops(state, body);
+            }
+        }
+    }
+}
+
 fn stop_loose(state: &mut State, body: usize, time: f32) {
     if is_loose_kind(state.bodies.kind[body]) {
         state.legs.stop_time[body] = math::min(state.legs.stop_time[body], time);

@@ -284,10 +284,12 @@ pub(crate) struct Settled {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct Waiting {
-    /// Frames in a row that ended before the body was through.
+    /// Frames in a row that ended before a driven body was through, or before a loose one moved at all.
     pub frames: u32,
     /// One while the body overlaps where the host put it.
     pub overlaps: u32,
+    /// How much less than all events of a frame a loose body's island is given: it was cut before.
+    pub hurry: u32,
 }
 
 columns! {

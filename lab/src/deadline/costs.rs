@@ -1,9 +1,10 @@
-//! What work costs on this machine: a cost table from measured frames.
+//! What work costs on this machine: a cost table fitted to measured frames.
 //!
-//! Whatever a frame does in any case is priced first, in worlds that have nothing else; then the units of
-//! each stage, in frames of which most is that stage; and last all prices are raised by what the worst of
-//! the trials' frames cost more than they were priced. Every few frames the caches are emptied. The result
-//! is a measured worst case with a margin, not a guarantee.
+//! Frames of the trials at budgets of all sizes, and of bodies in free air, half of them with cold caches,
+//! say how long so many units took. The prices are fitted to them from above: least squares in which a
+//! frame that costs more than its price weighs as much as thirty that cost less (the expectiles of Newey
+//! and Powell 1987), none below zero; then all are raised by what the worst frames cost more, and a margin.
+//! The result is a measured worst case, not a guarantee.
 
 use palpable::frame::{Budget, Census, CostTable, FrameInput};
 use palpable::limits::BOXES_PER_UNIT;
@@ -21,8 +22,12 @@ use crate::memory::Block;
 /// What is added to what was measured.
 const MARGIN: f64 = 1.25;
 
+/// One in so many frames may cost more than the prices before the margin: the clock behind them takes care
+/// of what the machine does beside.
+const LEFT_OUT: usize = 200;
+
 /// Every so many frames the caches are emptied.
-const COLD_EVERY: u32 = 4;
+const COLD_EVERY: u32 = 2;
 
 /// A cost table as it is written to a file.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -86,8 +91,83 @@ fn nearly_worst(mut values: Vec<f64>, left_out: usize) -> f64 {
     values[rank.clamp(1, values.len()) - 1]
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
+/// Numbers of a cost table.
+const PRICES: usize = 8;
+
+impl Frame {
+    /// How many of each thing the frame pays for.
+    fn counts(&self) -> [f64; PRICES] {
+        let boxes = self.census.box_tests().div_ceil(u64::from(BOXES_PER_UNIT));
+        let [bodies, pieces, chains] =
+            [self.census.bodies, self.census.pieces, self.census.chains].map(f64::from);
+        [
+            1.0,
+            bodies,
+            pieces,
+            chains,
+            boxes as f64,
+            f64::from(self.spent.advance_units),
+            f64::from(self.spent.impulse_units),
+            f64::from(self.spent.reach_steps),
+        ]
+    }
+}
+
+fn priced(prices: &[f64; PRICES], counts: &[f64; PRICES]) -> f64 {
+    prices.iter().zip(counts).map(|(p, n)| p * n).sum()
+}
+
+/// How much more a frame weighs that costs more than its price.
+const UNDERPRICED_WEIGHT: f64 = 30.0;
+
+/// Frames shorter than this are taken for as long, in nanoseconds: their errors are not to matter more.
+const SHORT_NS: f64 = 30_000.0;
+
+/// Frames longer than this say nothing about deadlines, in nanoseconds.
+const LONG_NS: f64 = 2e6;
+
+/// Prices that fit the frames from above.
+fn fit(frames: &[Frame]) -> [f64; PRICES] {
+    let rows: Vec<([f64; PRICES], f64, f64)> = frames
+        .iter()
+        .filter(|frame| frame.cpu_ns < LONG_NS)
+        .map(|frame| {
+            let scale = frame.cpu_ns.max(SHORT_NS).powi(-2);
+            (frame.counts(), frame.cpu_ns, scale)
+        })
+        .collect();
+    let mut prices = [100.0; PRICES];
+    for _ in 0..60 {
+        let mut products = [[0.0; PRICES]; PRICES];
+        let mut sums = [0.0; PRICES];
+        for (counts, ns, scale) in &rows {
+            let under = priced(&prices, counts) < *ns;
+            let weight = scale * if under { UNDERPRICED_WEIGHT } else { 1.0 };
+            for i in 0..PRICES {
+                sums[i] += weight * counts[i] * ns;
+                for j in 0..PRICES {
+                    products[i][j] += weight * counts[i] * counts[j];
+                }
+            }
+        }
+        descend(&products, &sums, &mut prices);
+    }
+    prices
+}
+
+/// The least of a quadratic form over prices that are not negative, one coordinate after the other.
+fn descend(products: &[[f64; PRICES]; PRICES], sums: &[f64; PRICES], prices: &mut [f64; PRICES]) {
+    for _ in 0..400 {
+        for i in 0..PRICES {
+            if products[i][i] > 0.0 {
+                let others: f64 = (0..PRICES)
+                    .filter(|&j| j != i)
+                    .map(|j| products[i][j] * prices[j])
+                    .sum();
+                prices[i] = ((sums[i] - others) / products[i][i]).max(0.0);
+            }
+        }
+    }
 }
 
 /// Times frames of a world.
@@ -146,10 +226,6 @@ fn free_frames(kind: BodyKind, bodies: u32, pieces: u32, count: u32) -> Vec<Fram
     })
 }
 
-fn worst_ns(frames: &[Frame]) -> f64 {
-    nearly_worst(frames.iter().map(|frame| frame.cpu_ns).collect(), 1000)
-}
-
 /// Frames of a trial with budgets of all sizes.
 fn trial_frames(kit: &Kit, trial: Trial, count: u32) -> Result<Vec<Frame>, SceneError> {
     let capacities = trial.capacities();
@@ -177,115 +253,42 @@ fn trial_frames(kit: &Kit, trial: Trial, count: u32) -> Result<Vec<Frame>, Scene
     failed.map_or(Ok(frames), Err)
 }
 
-/// The price of one stage's unit: what nearly all frames with many of them cost no more than, when the
-/// floor and the means of the other stages are taken off.
-fn unit_price(
-    frames: &[Frame],
-    known: &CostTable,
-    units: impl Fn(&Budget) -> u32,
-    others: impl Fn(&Budget) -> f64,
-) -> (f64, f64) {
-    let ratios: Vec<f64> = frames
-        .iter()
-        .filter(|frame| units(&frame.spent) >= 12)
-        .map(|frame| {
-            // The floor's prices are worst cases: half of them is nearer to what it was.
-            let floor = 0.5 * known.floor_ns(&frame.census) as f64;
-            let rest = frame.cpu_ns - floor - others(&frame.spent);
-            rest.max(0.0) / f64::from(units(&frame.spent))
-        })
-        .collect();
-    if ratios.is_empty() {
-        return (0.0, 0.0);
-    }
-    (mean(&ratios), nearly_worst(ratios, 1000))
-}
-
 /// Measures this machine with so many frames of each trial; `tick` is called after each part.
 ///
 /// # Errors
 /// [`SceneError`] when a trial could not be set.
 pub fn calibrate(kit: &Kit, count: u32, mut tick: impl FnMut()) -> Result<Calibration, SceneError> {
-    let mut costs = CostTable::default();
-    let frame_ns = worst_ns(&free_frames(BodyKind::Fixed, 0, 0, count));
+    let mut frames = Vec::new();
+    for (kind, bodies, pieces) in [
+        (BodyKind::Fixed, 0, 0),
+        (BodyKind::Driven, 1, 96),
+        (BodyKind::Driven, 48, 1),
+        (BodyKind::Fixed, 90, 2),
+    ] {
+        frames.extend(free_frames(kind, bodies, pieces, count / 4));
+    }
     tick();
-    // One driven body of many pieces: its boxes against its own world.
-    let one = free_frames(BodyKind::Driven, 1, 96, count);
-    let boxes = one[0].census.box_tests() as f64 / f64::from(BOXES_PER_UNIT);
-    let many = free_frames(BodyKind::Driven, 48, 1, count);
-    tick();
-    let body_ns = (worst_ns(&many) - frame_ns) / 48.0;
-    let piece_ns = (worst_ns(&one) - frame_ns - body_ns) / 96.0;
-    let boxes_ns = (worst_ns(&one) - frame_ns - body_ns) / boxes;
-    let raised = |ns: f64, by: f64| (ns.max(1.0) * by).ceil() as u32;
-    costs.frame_ns = raised(frame_ns, 1.0);
-    costs.body_ns = raised(body_ns, 1.0);
-    costs.piece_ns = raised(piece_ns, 0.5);
-    costs.boxes_ns = raised(boxes_ns, 0.5);
-    let all: Vec<Vec<Frame>> = Trial::ALL
-        .iter()
-        .map(|&trial| {
-            let frames = trial_frames(kit, trial, count);
-            tick();
-            frames
-        })
-        .collect::<Result<_, _>>()?;
-    let of = |trial: Trial| {
-        let index = Trial::ALL.iter().position(|&t| t == trial);
-        &all[index.unwrap_or_default()]
-    };
-    let driven = [of(Trial::Teleports).as_slice(), of(Trial::FullPools)].concat();
-    let advance = |b: &Budget| b.advance_units;
-    let impulse = |b: &Budget| b.impulse_units;
-    let (push_mean, push) = unit_price(of(Trial::Loose64), &costs, impulse, |_| 0.0);
-    let (query_mean, query) = unit_price(&driven, &costs, advance, |b| {
-        push_mean * f64::from(b.impulse_units)
-    });
-    let chained = [of(Trial::AllChains).as_slice(), of(Trial::AvatarInRoom)].concat();
-    costs.chain_ns = raised(chain_price(&chained, &costs, query_mean), 1.0);
-    let (_, step) = unit_price(
-        &chained,
-        &costs,
-        |b| b.reach_steps,
-        |b| query_mean * f64::from(b.advance_units),
-    );
-    costs.advance_unit_ns = raised(query, 1.0);
-    costs.impulse_unit_ns = raised(push, 1.0);
-    costs.reach_step_ns = raised(step, 1.0);
-    let ratio = |frame: &Frame| frame.cpu_ns / costs.worst_ns(&frame.census, &frame.spent) as f64;
-    let ratios: Vec<f64> = all.iter().flatten().map(ratio).collect();
-    let frames = ratios.len();
-    let over = nearly_worst(ratios, 10_000).max(0.5);
-    let price = |ns: u32| raised(f64::from(ns), over * MARGIN);
+    for trial in Trial::ALL {
+        frames.extend(trial_frames(kit, trial, count)?);
+        tick();
+    }
+    let prices = fit(&frames);
+    let over = |frame: &Frame| frame.cpu_ns / priced(&prices, &frame.counts()).max(1.0);
+    let tight = frames.iter().filter(|frame| frame.cpu_ns < LONG_NS);
+    let raised = nearly_worst(tight.map(over).collect(), LEFT_OUT).max(1.0) * MARGIN;
+    let ns = prices.map(|price| (price * raised).ceil() as u32);
     Ok(Calibration {
         prices: Prices {
-            frame_ns: price(costs.frame_ns),
-            body_ns: price(costs.body_ns),
-            piece_ns: price(costs.piece_ns),
-            chain_ns: price(costs.chain_ns),
-            boxes_ns: price(costs.boxes_ns),
-            advance_unit_ns: price(costs.advance_unit_ns),
-            impulse_unit_ns: price(costs.impulse_unit_ns),
-            reach_step_ns: price(costs.reach_step_ns),
+            frame_ns: ns[0],
+            body_ns: ns[1],
+            piece_ns: ns[2],
+            chain_ns: ns[3],
+            boxes_ns: ns[4],
+            advance_unit_ns: ns[5],
+            impulse_unit_ns: ns[6],
+            reach_step_ns: ns[7],
         },
-        raised: over * MARGIN,
-        frames,
+        raised,
+        frames: frames.len(),
     })
-}
-
-/// What a chain costs in frames that spend nothing on it.
-fn chain_price(frames: &[Frame], known: &CostTable, query_ns: f64) -> f64 {
-    let each: Vec<f64> = frames
-        .iter()
-        .filter(|frame| frame.spent.reach_steps == 0)
-        .map(|frame| {
-            let units = query_ns * f64::from(frame.spent.advance_units);
-            let floor = 0.5 * known.floor_ns(&frame.census) as f64;
-            (frame.cpu_ns - floor - units).max(0.0) / f64::from(frame.census.chains)
-        })
-        .collect();
-    if each.is_empty() {
-        return 0.0;
-    }
-    nearly_worst(each, 1000)
 }

@@ -1,4 +1,8 @@
 //! A trial played at a deadline, and beside what it was without one.
+//!
+//! Deadlines are kept as a host would: by prices, with the wall's clock as the backstop.
+
+use std::time::Instant;
 
 use glam::DVec3;
 use palpable::frame::{CostTable, Deadline, FrameInput, FrameReport};
@@ -75,6 +79,8 @@ pub struct Outcome {
     pub above_price: u32,
     /// Frames that were cut by time.
     pub cut: u32,
+    /// Frames that the clock ended.
+    pub late: u32,
     /// Frames whose deadline was below their floor.
     pub below_floor: u32,
     /// Frames that were judged in f64.
@@ -99,6 +105,7 @@ struct Counts {
     wall_ns: Vec<u64>,
     above_price: u32,
     cut: u32,
+    late: u32,
     below_floor: u32,
     judged: u32,
     violations: u32,
@@ -133,7 +140,18 @@ pub fn play(
     }
     for frame in 0..frames + UNCOUNTED {
         kit.tell(trial, &mut world, &cast, frame)?;
-        let (report, taken) = timed(|| world.step(&input));
+        let (report, taken) = match deadline_us {
+            None => timed(|| world.step(&input)),
+            Some(us) => {
+                let ends_ns = u64::from(us) * 1000;
+                let reserve_ns = costs.reserve_ns(&world.census());
+                timed(|| {
+                    let begun = Instant::now();
+                    let clock = || begun.elapsed().as_nanos() as u64;
+                    world.step_by_clock(&input, &clock, ends_ns.saturating_sub(reserve_ns))
+                })
+            }
+        };
         if frame < UNCOUNTED {
             continue;
         }
@@ -213,6 +231,7 @@ impl Counts {
             wall_ns: Vec::with_capacity(room),
             above_price: 0,
             cut: 0,
+            late: 0,
             below_floor: 0,
             judged: 0,
             violations: 0,
@@ -226,6 +245,7 @@ impl Counts {
         let has = |flag: u32| u32::from(report.flags & flag != 0);
         self.above_price += u32::from(cpu_ns > report.priced_ns);
         self.cut += has(FrameReport::OUT_OF_TIME);
+        self.late += has(FrameReport::LATE);
         self.below_floor += has(FrameReport::BELOW_FLOOR);
         self.priced_ns += report.priced_ns;
     }
@@ -259,6 +279,7 @@ impl Counts {
             misses_wall,
             above_price: self.above_price,
             cut: self.cut,
+            late: self.late,
             below_floor: self.below_floor,
             judged: self.judged,
             violations: self.violations,

@@ -48,7 +48,7 @@ pub fn of_times(outcomes: &[Outcome]) -> String {
         "misses: processor, wall",
         "above price",
         "frames",
-        "cut",
+        "cut by price, by clock",
     ]);
     for outcome in outcomes {
         table.add_row([
@@ -59,7 +59,7 @@ pub fn of_times(outcomes: &[Outcome]) -> String {
             right(format!("{}, {}", outcome.misses_cpu, outcome.misses_wall)),
             right(outcome.above_price),
             right(outcome.frames),
-            right(outcome.cut),
+            right(format!("{}, {}", outcome.cut, outcome.late)),
         ]);
     }
     table.to_string()
