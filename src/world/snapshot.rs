@@ -40,7 +40,7 @@ impl World<'_> {
     /// # Errors
     /// [`SnapshotError`] when the buffer holds no such snapshot.
     pub fn load(&mut self, buffer: &[u8]) -> Result<(), SnapshotError> {
-        let header = Header::read_any(buffer).ok_or(SnapshotError::Damaged)?;
+        let header = Header::read_snapshot(buffer)?;
         if header != *self.state.header {
             return Err(SnapshotError::OtherLayout);
         }
