@@ -104,7 +104,8 @@ macro_rules! calls {
             }
 
             /// The kind with this number.
-            pub(crate) const fn of(number: u32) -> Option<Self> {
+            #[must_use]
+            pub const fn of(number: u32) -> Option<Self> {
                 match number {
                     $($number => Some(Self::$kind),)*
                     _ => None,
