@@ -12,7 +12,8 @@
 //! # The log
 //!
 //! Whole numbers and floats are words of 4 bytes, little endian; a number of 8 bytes is its low word, then
-//! its high one. There is no padding.
+//! its high one. There is no padding. Snapshots hold the columns as memory has them: a log of a little-endian
+//! processor is refused as damaged on a big-endian one, and the other way round.
 //!
 //! ```text
 //! head      8 bytes   "PALPLOG\0"
@@ -54,7 +55,8 @@ pub(crate) use pen::Put;
 
 use crate::world::World;
 
-/// Raised whenever a log means something else than before: another version is refused.
+/// Raised whenever a log means something else than before, an error's place in its enum included: another
+/// version is refused.
 pub const FORMAT_VERSION: u32 = 1;
 
 /// The first bytes of every log.
