@@ -182,9 +182,22 @@ impl<'a> World<'a> {
         put: impl Fn(&mut dyn Put),
         act: impl FnOnce(&mut Self) -> R,
     ) -> R {
-        let Some(sink) = self.sink.take() else {
-            return act(self);
-        };
+        match self.sink.take() {
+            None => act(self),
+            Some(sink) => self.record_call(sink, kind, put, act),
+        }
+    }
+
+    /// Out of the way of worlds that are not recorded.
+    #[cold]
+    #[inline(never)]
+    fn record_call<R: Told>(
+        &mut self,
+        sink: &'a mut dyn Sink,
+        kind: CallKind,
+        put: impl Fn(&mut dyn Put),
+        act: impl FnOnce(&mut Self) -> R,
+    ) -> R {
         pen::record(sink, kind as u32, &put);
         let told = act(self);
         let outcome = told.outcome(self);
