@@ -18,8 +18,10 @@ mod scenes;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use criterion::Criterion;
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, Criterion};
 use palpable::geometry::penetration::core_penetration;
+use palpable::recording::Sink;
 
 use pairs::{APART_M, Class, SHALLOW_M};
 use scenes::Scene;
@@ -49,6 +51,7 @@ fn main() {
     let mut criterion = Criterion::default().configure_from_args();
     geometry(&mut criterion);
     frames(&mut criterion);
+    recording(&mut criterion);
     criterion.final_summary();
 }
 
@@ -77,24 +80,46 @@ fn geometry(criterion: &mut Criterion) {
 fn frames(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("ten frames");
     for (name, make, before) in CASES {
-        let mut scene = make().after(before);
-        let mut start = vec![0; scene.world.snapshot_bytes()];
-        scene.world.save(&mut start).unwrap();
-        group.bench_function(name, |bencher| {
-            bencher.iter_custom(|samples| {
-                let mut time = Duration::ZERO;
-                for _ in 0..samples {
-                    scene.world.load(&start).unwrap();
-                    scene.frame = before;
-                    let begun = Instant::now();
-                    for _ in 0..FRAMES {
-                        black_box(scene.step());
-                    }
-                    time += begun.elapsed();
-                }
-                time
-            });
-        });
+        ten_frames(&mut group, name, make().after(before));
     }
     group.finish();
+}
+
+/// The same with a sink that lets go of everything: what recording costs, less the copy that a host makes.
+fn recording(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("ten recorded frames");
+    for (name, make, before) in CASES {
+        let mut scene = make().after(before);
+        let sink: &'static mut dyn Sink = Box::leak(Box::new(|bytes: &[u8]| {
+            black_box(bytes);
+        }));
+        scene.world.record_to(sink);
+        ten_frames(&mut group, name, scene);
+    }
+    let scene = scenes::empty();
+    group.bench_function("hash of a state with room for a room", |bencher| {
+        bencher.iter(|| black_box(&scene.world).hash());
+    });
+    group.finish();
+}
+
+fn ten_frames(group: &mut BenchmarkGroup<WallTime>, name: &str, mut scene: Scene) {
+    let first = scene.frame;
+    let mut start = vec![0; scene.world.snapshot_bytes()];
+    scene.world.save(&mut start).unwrap();
+    group.bench_function(name, |bencher| {
+        bencher.iter_custom(|samples| {
+            let mut time = Duration::ZERO;
+            for _ in 0..samples {
+                scene.world.load(&start).unwrap();
+                scene.frame = first;
+                let begun = Instant::now();
+                for _ in 0..FRAMES {
+                    black_box(scene.step());
+                }
+                time += begun.elapsed();
+            }
+            time
+        });
+    });
 }

@@ -40,10 +40,17 @@
 //! replay it. Who was cut goes first in the next frame; then what the viewer looks at. An island of loose
 //! bodies that is too large for a frame moves on in turns.
 //!
+//! # Recording
+//!
+//! A world that has a sink ([`world::World::record_to`]) hands it the state as it is, then every call that
+//! changes the world: what it was given, and what it came to. [`recording::Replay`] makes the calls again,
+//! here or on another processor, and names the first frame that comes to another state. [`recording`] has
+//! the format.
+//!
 //! # Modules
 //!
 //! [`frame`] holds the stages together, [`world`] is the host's handle, [`geometry`] answers questions
-//! about pieces and knows nothing of frames, [`state`] says what the columns mean that [`memory`] cuts
+//! about pieces and knows nothing of frames, [`recording`] writes the host's calls down, [`state`] says what the columns mean that [`memory`] cuts
 //! from the block, [`limits`] has every bound with its reason.
 //!
 //! # Promises
@@ -106,6 +113,7 @@ mod publish;
 pub mod reach;
 
 pub mod frame;
+pub mod recording;
 pub mod world;
 
 /// The examples of the README, compiled and run as tests.

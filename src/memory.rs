@@ -11,7 +11,7 @@ pub(crate) mod header;
 pub mod ids;
 
 pub use capacities::Capacities;
-pub use header::{BlockHead, HEADER_BYTES};
+pub use header::{BlockHead, HEADER_BYTES, LAYOUT_VERSION};
 pub use ids::{BodyId, ChainId, PieceId};
 
 /// Alignment of the block and of every column in it, in bytes: one cache line.

@@ -11,6 +11,7 @@ mod snapshot;
 
 pub use bodies::{AddBodyError, BodyDef, BodyError};
 pub use chains::{AddChainError, ChainDef, ChainError, TIP_STEPS_MAX};
+pub(crate) use hands::Joints;
 pub use hands::{JointInput, JointUse, SetJointsError};
 pub use loose::{HostedError, HostedInput};
 pub use pieces::{AddPieceError, PieceDef, Shape};
@@ -22,6 +23,7 @@ use crate::frame::{self, Census, Clock, CostTable, FrameInput, FrameReport};
 use crate::limits::SPEED_MAX;
 use crate::memory::header::{self, Header};
 use crate::memory::{AttachError, BlockHead, Capacities, CreateError};
+use crate::recording::{CallKind, Sink, calls};
 use crate::state::State;
 use crate::state::contacts::ContactPoint;
 use crate::state::materials::{BUILT_IN_MATERIALS, Material, Surface};
@@ -35,6 +37,8 @@ const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 /// of them elsewhere, loses nothing.
 pub struct World<'a> {
     pub(crate) state: State<'a>,
+    /// Where calls are recorded, if anywhere. Not in the block: a copy of it records nothing.
+    pub(crate) sink: Option<&'a mut dyn Sink>,
 }
 
 /// Why a material or a surface was refused.
@@ -63,7 +67,7 @@ impl<'a> World<'a> {
         state.registers.gravity = GRAVITY;
         let stride = state.material_stride();
         state.materials.fill_built_in(stride);
-        Ok(Self { state })
+        Ok(Self { state, sink: None })
     }
 
     /// Takes up a world that was made in `memory`, or copied there.
@@ -93,6 +97,7 @@ impl<'a> World<'a> {
         let memory = &mut memory[..head.bytes()];
         Ok(Self {
             state: State::cut(memory, &head.capacities()),
+            sink: None,
         })
     }
 
@@ -111,11 +116,17 @@ impl<'a> World<'a> {
     /// Sets the acceleration of loose bodies, in m/s2. What is not finite, or has a coordinate beyond
     /// [`SPEED_MAX`] a second, is left out.
     pub fn set_gravity(&mut self, gravity: [f32; 3]) {
-        let gravity = Vec3::from_array(gravity);
-        let limit = Vec3::splat(SPEED_MAX);
-        if gravity.abs().cmple(limit).all() {
-            self.state.registers.gravity = gravity;
-        }
+        self.recorded(
+            CallKind::SetGravity,
+            |to| to.pod(&gravity),
+            |world| {
+                let gravity = Vec3::from_array(gravity);
+                let limit = Vec3::splat(SPEED_MAX);
+                if gravity.abs().cmple(limit).all() {
+                    world.state.registers.gravity = gravity;
+                }
+            },
+        );
     }
 
     /// Adds a material, without friction or restitution against any other.
@@ -123,6 +134,10 @@ impl<'a> World<'a> {
     /// # Errors
     /// [`MaterialError::Full`].
     pub fn add_material(&mut self) -> Result<Material, MaterialError> {
+        self.recorded(CallKind::AddMaterial, |_| {}, Self::take_material)
+    }
+
+    fn take_material(&mut self) -> Result<Material, MaterialError> {
         let used = self.state.registers.materials;
         if used >= self.state.header.capacities.materials {
             return Err(MaterialError::Full);
@@ -137,6 +152,22 @@ impl<'a> World<'a> {
     /// # Errors
     /// [`MaterialError::Unknown`], [`MaterialError::BadSurface`].
     pub fn set_surface(
+        &mut self,
+        a: Material,
+        b: Material,
+        surface: Surface,
+    ) -> Result<(), MaterialError> {
+        self.recorded(
+            CallKind::SetSurface,
+            |to| {
+                to.pod(&[a, b]);
+                to.pod(&surface);
+            },
+            |world| world.take_surface(a, b, surface),
+        )
+    }
+
+    fn take_surface(
         &mut self,
         a: Material,
         b: Material,
@@ -163,12 +194,18 @@ impl<'a> World<'a> {
     ///
     /// Spends at most the budget's units; the report says what was spent and what was cut.
     pub fn step(&mut self, input: &FrameInput) -> FrameReport {
-        frame::step(&mut self.state, input, None)
+        self.recorded(
+            CallKind::Step,
+            |to| calls::put_input(to, input),
+            |world| frame::step(&mut world.state, input, None),
+        )
     }
 
     /// Steps the world by one frame with a clock as a backstop: it is asked before every unit, and no unit
     /// is begun at `ends_ns` or later, in the clock's nanoseconds. Where that cuts, the report says
     /// [`FrameReport::LATE`], and stepping with [`FrameReport::spent`] as the budget gives the same bits.
+    ///
+    /// A recording has such a frame as one with that budget, written when it is over.
     pub fn step_by_clock(
         &mut self,
         input: &FrameInput,
@@ -176,7 +213,20 @@ impl<'a> World<'a> {
         ends_ns: u64,
     ) -> FrameReport {
         let clock = Clock { now_ns, ends_ns };
-        frame::step(&mut self.state, input, Some(clock))
+        let report = frame::step(&mut self.state, input, Some(clock));
+        if self.is_recording() {
+            let again = FrameInput {
+                budget: report.spent(),
+                deadline: None,
+                ..*input
+            };
+            let told = FrameReport {
+                flags: report.flags & !FrameReport::OF_TIME,
+                ..report
+            };
+            self.recorded(CallKind::Step, |to| calls::put_input(to, &again), |_| told);
+        }
+        report
     }
 
     /// What is in the world, as far as a frame pays for it whatever happens.

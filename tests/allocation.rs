@@ -9,6 +9,7 @@ use common::{Block, add_box, add_piece};
 use palpable::frame::FrameInput;
 use palpable::math::Pose;
 use palpable::memory::{BodyId, Capacities};
+use palpable::recording::Replay;
 use palpable::state::bodies::BodyKind;
 use palpable::world::{BodyDef, PieceDef, Shape, World};
 
@@ -126,6 +127,37 @@ fn snapshots_and_moves_by_the_host_do_not_allocate() {
         world.set_velocity(ball, [1.0; 3], [2.0; 3]).unwrap();
     });
     without_allocation("set_gravity", || world.set_gravity([0.0; 3]));
+}
+
+#[test]
+fn recording_and_replay_do_not_allocate() {
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut log = Vec::with_capacity(1 << 24);
+    let mut sink = |bytes: &[u8]| log.extend_from_slice(bytes);
+    let points = hull_points();
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    without_allocation("recording", || {
+        world.record_to(&mut sink);
+        let [hand, crate_body, _] = furnish(&mut world);
+        add_piece(
+            &mut world,
+            crate_body,
+            &PieceDef::new(Shape::Hull(&points), 0.0),
+        );
+        for frame in 0..10 {
+            let target = Pose::at(0.01 * frame as f32, 0.05, 0.0);
+            world.set_target(hand, &target).unwrap();
+            world.set_piece_targets(hand, &[Pose::IDENTITY; 2]).unwrap();
+            world.step(&FrameInput::unlimited(FRAME_S));
+        }
+    });
+    let hash = world.hash();
+    without_allocation("replay", || {
+        let mut replay = Replay::open(&log).unwrap();
+        let mut world = replay.start(block.bytes()).unwrap();
+        while replay.next_call(&mut world).unwrap().is_some() {}
+        assert_eq!(world.hash(), hash);
+    });
 }
 
 #[test]

@@ -850,11 +850,12 @@ fn a_bad_snapshot_is_refused_and_nothing_changes() {
 
     for index in 0..HEADER_BYTES {
         buffer[index] ^= 0x10;
-        assert_eq!(
-            world.load(&buffer),
-            Err(SnapshotError::Damaged),
-            "byte {index}"
-        );
+        // The version is judged before the rest: another layout may have another header.
+        let expected = match index {
+            16..20 => SnapshotError::OtherLayout,
+            _ => SnapshotError::Damaged,
+        };
+        assert_eq!(world.load(&buffer), Err(expected), "byte {index}");
         buffer[index] ^= 0x10;
         assert_eq!(world.hash(), hash);
     }

@@ -8,8 +8,9 @@
  *
  * Memory. A world lies in one block of the host's memory, `palp_memory_bytes` long and aligned to
  * PALP_BLOCK_ALIGNMENT, and nowhere else. The library allocates nothing, keeps no pointer that it is
- * given and has no global state. The handle is the block's address: there is nothing to destroy, and
- * a copy of the block is a second world. Give a thread that calls the library 512 kB of stack.
+ * given but a sink and its user, and has no global state. The handle is the block's address: there is
+ * nothing to destroy, and a copy of the block is a second world. Give a thread that calls the library
+ * 512 kB of stack.
  *
  * Threads. A call with `const palp_world *` is safe beside other such calls on the same world. Any
  * other call needs the world for itself. Distinct worlds are independent.
@@ -29,6 +30,11 @@
  * engine, which keeps its collisions with everything but hands. Each frame the host tells of its bodies
  * with `palp_hosted_set`, steps, adds what `palp_hosted_impulses` gives to their momentum, and steps its
  * engine. `palp_contact_events` tells what began to touch and what parted.
+ *
+ * Recording. `palp_recording_start` hands a function of the host's the state, then every call that changes
+ * the world; the `palp_replay_` calls make them again, and tell which comes to something else. The sink is
+ * kept in the block, for the block's address: a copy elsewhere records nothing. A block that is copied back
+ * to its address has the sink of that time: call `palp_world_attach` then, which ends a recording.
  *
  * Versions. Structs that may grow start with `struct_size`, which the host sets, most easily with the
  * struct's `_INIT` macro; only fields that the host's version has are read or written. Ids are
@@ -108,6 +114,12 @@
 #define PALP_HOSTED_STATE_INIT \
     { (uint32_t)sizeof(palp_hosted_state), 0, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }, \
       { 0.0f, 0.0f, 0.0f }, 0.0f }
+
+/** Empty, to be filled in by `palp_replay_open`. */
+#define PALP_REPLAY_INIT { (uint32_t)sizeof(palp_replay), 0, NULL, 0, 0, 0, 0 }
+
+/** Empty, to be filled in by `palp_replay_next`. */
+#define PALP_REPLAYED_INIT { (uint32_t)sizeof(palp_replayed), 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 
 /** Empty. */
 #define PALP_CONTACT_INIT \
@@ -1277,6 +1289,99 @@ typedef struct palp_penetration_result {
 } palp_penetration_result;
 
 /**
+ * Takes the next `size` bytes of a log, which are good during the call alone. What it does when there is no
+ * room for them is the host's. It must return, and must not use the world that is recorded: a call with it
+ * gives `PALP_INSIDE_SINK`.
+ */
+typedef void (*palp_sink)(void *user, const void *bytes, size_t size);
+
+/**
+ * A log that is replayed. Start from `PALP_REPLAY_INIT`; the library fills it in, and the host may copy it
+ * to come back to where it was.
+ */
+typedef struct palp_replay {
+    /**
+     * `sizeof(palp_replay)`.
+     */
+    uint32_t struct_size;
+    /**
+     * 0.
+     */
+    uint32_t reserved;
+    /**
+     * The log, which stays the host's.
+     */
+    const void *log;
+    /**
+     * Its bytes.
+     */
+    size_t size;
+    /**
+     * Where the next call begins in it, in bytes; behind a negative status the call that was refused.
+     */
+    uint64_t at;
+    /**
+     * Calls made.
+     */
+    uint64_t calls;
+    /**
+     * Frames stepped.
+     */
+    uint64_t frames;
+} palp_replay;
+
+/**
+ * A call that was made again. Start from `PALP_REPLAYED_INIT`.
+ *
+ * A value is what the call gave: for a frame `palp_state_hash` behind it; an id as its index plus its
+ * generation times 2^32; the bits of a float. A refusal is 0 for a call that was accepted, and else tells
+ * reasons apart. Flags are those of a frame's report.
+ */
+typedef struct palp_replayed {
+    /**
+     * `sizeof(palp_replayed)`.
+     */
+    uint32_t struct_size;
+    /**
+     * Which call: `palp_call_name` knows it.
+     */
+    uint32_t kind;
+    /**
+     * Its number in the log, counted from 1.
+     */
+    uint64_t call;
+    /**
+     * The number of the frame that it belongs to in the log, counted from 1: what is told before a frame
+     * belongs to it.
+     */
+    uint64_t frame;
+    /**
+     * When it was recorded.
+     */
+    uint64_t recorded_value;
+    /**
+     * Now.
+     */
+    uint64_t replayed_value;
+    /**
+     * When it was recorded.
+     */
+    uint32_t recorded_refusal;
+    /**
+     * Now.
+     */
+    uint32_t replayed_refusal;
+    /**
+     * When it was recorded.
+     */
+    uint32_t recorded_flags;
+    /**
+     * Now.
+     */
+    uint32_t replayed_flags;
+} palp_replayed;
+
+/**
  * Done.
  */
 #define PALP_OK 0
@@ -1337,6 +1442,16 @@ typedef struct palp_penetration_result {
 #define PALP_ENTRIES_REFUSED 11
 
 /**
+ * Nothing done: the log has no more calls.
+ */
+#define PALP_REPLAY_END 16
+
+/**
+ * Done, and the call came to something else than it did when it was recorded.
+ */
+#define PALP_REPLAY_DIFFERS 17
+
+/**
  * Stepped; the frame's time was used up by the input's prices: raise `palp_frame_input.deadline_ns`.
  */
 #define PALP_OUT_OF_TIME 12
@@ -1393,13 +1508,13 @@ typedef struct palp_penetration_result {
 #define PALP_NOT_A_WORLD -8
 
 /**
- * The world or the saved state was made by a library with another memory layout, or with other
- * capacities.
+ * The world, the saved state or the log was made by a library with another memory layout, or the state
+ * with other capacities.
  */
 #define PALP_OTHER_LAYOUT -9
 
 /**
- * The head of a world or of a saved state contradicts its checksum.
+ * The head of a world, or a part of a saved state or of a log, contradicts its checksum.
  */
 #define PALP_DAMAGED -10
 
@@ -1617,6 +1732,37 @@ typedef struct palp_penetration_result {
  */
 #define PALP_BAD_MASS -52
 
+/**
+ * The bytes do not start as a log does.
+ */
+#define PALP_NOT_A_LOG -53
+
+/**
+ * The log has another format than this library reads.
+ */
+#define PALP_OTHER_LOG_VERSION -54
+
+/**
+ * The log ends in the middle of its head, of its state or of a call. A call of which only the outcome is
+ * missing was made.
+ */
+#define PALP_LOG_CUT_SHORT -55
+
+/**
+ * The log has a call that this library does not know, or none where one is to be.
+ */
+#define PALP_UNKNOWN_CALL -56
+
+/**
+ * The arguments of a call in the log are not what such a call has.
+ */
+#define PALP_MALFORMED_CALL -57
+
+/**
+ * Called by the sink of the same world.
+ */
+#define PALP_INSIDE_SINK -58
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1657,9 +1803,12 @@ palp_status palp_world_create_abi2(void *memory,
                                    struct palp_world **world);
 
 /**
- * Takes up a world that was made in `memory`, or copied there, checking that `bytes` bytes hold it.
+ * Takes up a world that was made in `memory`, or copied there, checking that `bytes` bytes hold it. Ends a
+ * recording: whoever copies a block back to where it was is to call this.
  */
-palp_status palp_world_attach(void *memory, size_t bytes, struct palp_world **world);
+palp_status palp_world_attach(void *memory,
+                              size_t bytes,
+                              struct palp_world **world);
 
 /**
  * The most that was ever in use at once: what to ship as capacities.
@@ -2149,6 +2298,65 @@ palp_status palp_state_load(struct palp_world *world, const void *buffer, size_t
  * forgery.
  */
 palp_status palp_state_hash(const struct palp_world *world, uint64_t *hash);
+
+/**
+ * Begins a log: hands `sink` the state as it is, and from now on every call that changes the world, before
+ * and after it is made. `user` goes to the sink as it is. Both are kept until `palp_recording_stop` or
+ * `palp_world_attach`; a recording that goes on is ended. A call that is refused before it reaches the world,
+ * for a null pointer or a wrong size, is not in the log.
+ *
+ * Costs a hash of the state a frame, of as many bytes as `palp_state_bytes` says.
+ */
+palp_status palp_recording_start(struct palp_world *world,
+                                 palp_sink sink,
+                                 void *user);
+
+/**
+ * Ends a recording. The log is whole as it is. Fine without a recording.
+ */
+palp_status palp_recording_stop(struct palp_world *world);
+
+/**
+ * Judges the head of a log of `size` bytes, of any alignment, which is to stay where it is until it is
+ * replayed. `replay->struct_size` is set by the host.
+ */
+palp_status palp_replay_open(const void *log,
+                             size_t size,
+                             struct palp_replay *replay);
+
+/**
+ * The capacities of the world that was recorded, for `palp_memory_bytes`. `capacities->struct_size` is set
+ * by the host.
+ */
+palp_status palp_replay_capacities(const struct palp_replay *replay,
+                                   struct palp_capacities *capacities);
+
+/**
+ * Makes the world as it was when the recording began, in `memory` as for `palp_world_create`, and goes to the
+ * first call.
+ */
+palp_status palp_replay_start(struct palp_replay *replay,
+                              void *memory,
+                              size_t bytes,
+                              struct palp_world **world);
+
+/**
+ * Makes the next call of the log on the world that `palp_replay_start` made. `PALP_OK` when it came to what
+ * it came to when it was recorded, `PALP_REPLAY_DIFFERS` when not, `PALP_REPLAY_END` when there is none.
+ * `call`, which may be null, says which call it was; nothing is written there at the end. `replay` says how
+ * far it has come, whatever the status. The replay may go on behind a call that differs.
+ *
+ * No bytes of a log break the world; a state that was forged with its checksum may.
+ */
+palp_status palp_replay_next(struct palp_replay *replay,
+                             struct palp_world *world,
+                             struct palp_replayed *call);
+
+/**
+ * The name of a call in a log, as the kernel in Rust has it. Never null; lasts as long as the library is
+ * loaded.
+ */
+const char *palp_call_name(uint32_t kind);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -4,6 +4,7 @@ use core::mem::MaybeUninit;
 use core::ops::Range;
 
 use crate::hosted::{palp_hosted_input, palp_hosted_state};
+use crate::recording::{palp_replay, palp_replayed};
 use crate::skeleton::{palp_chain_def, palp_chain_state, palp_joint};
 use crate::status::{
     PALP_BAD_STRIDE, PALP_BAD_STRUCT_SIZE, PALP_INSIDE_WORLD, PALP_MISALIGNED, PALP_NULL,
@@ -86,6 +87,8 @@ versioned! {
         struct_size: 0, contacts: 0, impulse_n_s: palp_vec3::new([0.0; 3]),
         angular_n_m_s: palp_vec3::new([0.0; 3]), point: palp_vec3::new([0.0; 3]), push_n_s: 0.0,
     };
+    palp_replay: [], 2 * 4 + POINTER + size_of::<usize>() + 3 * 8, palp_replay::NONE;
+    palp_replayed: [], 2 * 4 + 4 * 8 + 4 * 4, palp_replayed::NONE;
     palp_penetration_result: [], 4 * 4 + 3 * 12 + 2 * 8 + 4 * 56, palp_penetration_result {
         struct_size: 0, contact_count: 0, depth_m: 0.0, distance_m: 0.0,
         normal: palp_vec3::new([0.0; 3]), point_a: palp_vec3::new([0.0; 3]),

@@ -1,7 +1,7 @@
 //! The C library of the Palpable contact kernel: `include/palpable.h` in Rust.
 //!
 //! A call judges its pointers and numbers, attaches to the block behind the handle, asks the kernel,
-//! and writes results last. Nothing is kept between calls, nothing is allocated, and no panic leaves.
+//! and writes results last. Nothing is kept between calls but a sink, nothing is allocated, and no panic leaves.
 //! Doc comments of exported items become the header's comments and speak to C programmers.
 
 #![deny(clippy::undocumented_unsafe_blocks)]
@@ -24,6 +24,7 @@ mod materials;
 mod panic;
 mod pieces;
 mod query;
+mod recording;
 mod skeleton;
 mod state;
 mod status;

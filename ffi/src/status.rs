@@ -32,6 +32,10 @@ pub const PALP_PAIRS_LEFT_OUT: palp_status = 9;
 pub const PALP_CUT_REACH: palp_status = 10;
 /// Done for every entry but those that were refused; `palp_refusal` names the first of them.
 pub const PALP_ENTRIES_REFUSED: palp_status = 11;
+/// Nothing done: the log has no more calls.
+pub const PALP_REPLAY_END: palp_status = 16;
+/// Done, and the call came to something else than it did when it was recorded.
+pub const PALP_REPLAY_DIFFERS: palp_status = 17;
 
 /// Stepped; the frame's time was used up by the input's prices: raise `palp_frame_input.deadline_ns`.
 pub const PALP_OUT_OF_TIME: palp_status = 12;
@@ -57,10 +61,10 @@ pub const PALP_MEMORY_TOO_SMALL: palp_status = -6;
 pub const PALP_CAPACITY_TOO_LARGE: palp_status = -7;
 /// The block holds no world.
 pub const PALP_NOT_A_WORLD: palp_status = -8;
-/// The world or the saved state was made by a library with another memory layout, or with other
-/// capacities.
+/// The world, the saved state or the log was made by a library with another memory layout, or the state
+/// with other capacities.
 pub const PALP_OTHER_LAYOUT: palp_status = -9;
-/// The head of a world or of a saved state contradicts its checksum.
+/// The head of a world, or a part of a saved state or of a log, contradicts its checksum.
 pub const PALP_DAMAGED: palp_status = -10;
 /// The id names no body of this world.
 pub const PALP_STALE_BODY: palp_status = -11;
@@ -150,6 +154,19 @@ pub const PALP_BAD_FORCE: palp_status = -51;
 /// A mass or a moment of inertia is outside 1e-9 to 1e9, the centre of mass is not finite or farther than
 /// 1024 m from the body's origin, or the principal axes have no direction.
 pub const PALP_BAD_MASS: palp_status = -52;
+/// The bytes do not start as a log does.
+pub const PALP_NOT_A_LOG: palp_status = -53;
+/// The log has another format than this library reads.
+pub const PALP_OTHER_LOG_VERSION: palp_status = -54;
+/// The log ends in the middle of its head, of its state or of a call. A call of which only the outcome is
+/// missing was made.
+pub const PALP_LOG_CUT_SHORT: palp_status = -55;
+/// The log has a call that this library does not know, or none where one is to be.
+pub const PALP_UNKNOWN_CALL: palp_status = -56;
+/// The arguments of a call in the log are not what such a call has.
+pub const PALP_MALFORMED_CALL: palp_status = -57;
+/// Called by the sink of the same world.
+pub const PALP_INSIDE_SINK: palp_status = -58;
 
 const TEXTS: &[(palp_status, &CStr)] = &[
     (PALP_OK, c"done"),
@@ -209,7 +226,7 @@ const TEXTS: &[(palp_status, &CStr)] = &[
         PALP_OTHER_LAYOUT,
         c"made by a library with another layout, or with other capacities",
     ),
-    (PALP_DAMAGED, c"the head contradicts its checksum"),
+    (PALP_DAMAGED, c"a head, a state or a log contradicts its checksum"),
     (PALP_STALE_BODY, c"the id names no body of this world"),
     (PALP_STALE_PIECE, c"the id names no piece of this world"),
     (
@@ -354,6 +371,23 @@ const TEXTS: &[(palp_status, &CStr)] = &[
         PALP_BAD_MASS,
         c"a mass, a moment, a centre of mass or the principal axes are out of range",
     ),
+    (PALP_REPLAY_END, c"the log has no more calls"),
+    (
+        PALP_REPLAY_DIFFERS,
+        c"the call came to something else than when it was recorded",
+    ),
+    (PALP_NOT_A_LOG, c"the bytes are no log"),
+    (
+        PALP_OTHER_LOG_VERSION,
+        c"the log has another format than this library reads",
+    ),
+    (PALP_LOG_CUT_SHORT, c"the log ends in the middle of something"),
+    (PALP_UNKNOWN_CALL, c"the log has a call that is not known"),
+    (
+        PALP_MALFORMED_CALL,
+        c"the arguments of a call in the log are not those of such a call",
+    ),
+    (PALP_INSIDE_SINK, c"a sink called the library with its own world"),
 ];
 
 fn text(status: palp_status) -> &'static CStr {

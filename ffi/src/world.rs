@@ -7,8 +7,8 @@ use palpable_kernel::memory::{Capacities, CreateError};
 use palpable_kernel::world::World;
 
 use crate::arguments::{judge, judge_versioned, put, put_versioned, value, versioned};
-use crate::block::{Block, attach_status, judge_address};
-use crate::panic::{Outcome, guarded, guarded_or};
+use crate::block::{Block, attach_status, block_bytes, judge_address};
+use crate::panic::{guarded, guarded_or};
 use crate::status::{
     PALP_CAPACITY_TOO_LARGE, PALP_MEMORY_TOO_SMALL, PALP_MISALIGNED, PALP_NOT_FINITE, PALP_OK,
     palp_status,
@@ -50,7 +50,7 @@ pub unsafe extern "C" fn palp_memory_bytes(capacities: *const palp_capacities) -
         if !capacities.are_within_bounds() {
             return 0;
         }
-        capacities.bytes()
+        block_bytes(&capacities)
     })
 }
 
@@ -72,35 +72,48 @@ pub unsafe extern "C" fn palp_world_create_abi2(
         judge_address(memory.cast())?;
         // SAFETY: the header's rules for pointers.
         let capacities = unsafe { versioned(capacities) }?.to_kernel();
-        create(memory.cast(), bytes, &capacities)?;
+        // SAFETY: the host gave `bytes` bytes and does nothing else with them.
+        let block = unsafe { cleared(memory.cast(), bytes, &capacities) }?;
+        World::create(block, &capacities).map_err(create_status)?;
         // SAFETY: judged above.
         unsafe { put(world, memory.cast()) };
         Ok(PALP_OK)
     })
 }
 
-fn create(memory: *mut u8, bytes: usize, capacities: &Capacities) -> Outcome {
-    if !capacities.are_within_bounds() {
-        return Err(PALP_CAPACITY_TOO_LARGE);
-    }
-    let needed = capacities.bytes();
-    if bytes < needed || isize::try_from(needed).is_err() {
-        return Err(PALP_MEMORY_TOO_SMALL);
-    }
-    // SAFETY: the host gave `bytes` bytes, at least `needed`, and does nothing else with them.
-    let block = unsafe {
-        memory.write_bytes(0, needed);
-        slice::from_raw_parts_mut(memory, needed)
-    };
-    match World::create(block, capacities) {
-        Ok(_) => Ok(PALP_OK),
-        Err(CreateError::Misaligned) => Err(PALP_MISALIGNED),
-        Err(CreateError::TooSmall) => Err(PALP_MEMORY_TOO_SMALL),
-        Err(CreateError::CapacityTooLarge) => Err(PALP_CAPACITY_TOO_LARGE),
+pub(crate) const fn create_status(error: CreateError) -> palp_status {
+    match error {
+        CreateError::Misaligned => PALP_MISALIGNED,
+        CreateError::TooSmall => PALP_MEMORY_TOO_SMALL,
+        CreateError::CapacityTooLarge => PALP_CAPACITY_TOO_LARGE,
     }
 }
 
-/// Takes up a world that was made in `memory`, or copied there, checking that `bytes` bytes hold it.
+/// The kernel's part of a block for a new world, all zeros as the tail behind it.
+///
+/// # Safety
+/// The host gave `bytes` bytes and does nothing else with them while `'a` lasts.
+pub(crate) unsafe fn cleared<'a>(
+    memory: *mut u8,
+    bytes: usize,
+    capacities: &Capacities,
+) -> Result<&'a mut [u8], palp_status> {
+    if !capacities.are_within_bounds() {
+        return Err(PALP_CAPACITY_TOO_LARGE);
+    }
+    let needed = block_bytes(capacities);
+    if bytes < needed || isize::try_from(needed).is_err() {
+        return Err(PALP_MEMORY_TOO_SMALL);
+    }
+    // SAFETY: `bytes` bytes are the library's, at least `needed`.
+    unsafe {
+        memory.write_bytes(0, needed);
+        Ok(slice::from_raw_parts_mut(memory, capacities.bytes()))
+    }
+}
+
+/// Takes up a world that was made in `memory`, or copied there, checking that `bytes` bytes hold it. Ends a
+/// recording: whoever copies a block back to where it was is to call this.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palp_world_attach(
     memory: *mut c_void,
@@ -115,7 +128,12 @@ pub unsafe extern "C" fn palp_world_attach(
         }
         // SAFETY: the host gave `bytes` readable bytes and does nothing else with them.
         let block = unsafe { slice::from_raw_parts_mut(memory.cast::<u8>(), bytes) };
-        World::attach(block).map_err(attach_status)?;
+        let kept = World::attach(block).map_err(attach_status)?;
+        if bytes < block_bytes(&kept.capacities()) {
+            return Err(PALP_MEMORY_TOO_SMALL);
+        }
+        // SAFETY: the world is whole, its tail is within `bytes`, and nobody else uses it.
+        unsafe { Block::any(memory.cast())?.stop_recording() };
         // SAFETY: judged above.
         unsafe { put(world, memory.cast()) };
         Ok(PALP_OK)

@@ -18,7 +18,7 @@ fn package() -> &'static Path {
 }
 
 /// The sources of exports, in the order of the header.
-const SOURCES: [&str; 15] = [
+const SOURCES: [&str; 16] = [
     "status.rs",
     "types.rs",
     "skeleton.rs",
@@ -34,6 +34,7 @@ const SOURCES: [&str; 15] = [
     "contacts.rs",
     "query.rs",
     "state.rs",
+    "recording.rs",
 ];
 
 fn header_path() -> PathBuf {
@@ -160,6 +161,8 @@ int use_all(void) {
     palp_hosted_input hosted = PALP_HOSTED_INPUT_INIT;
     palp_hosted_state pushed = PALP_HOSTED_STATE_INIT;
     palp_penetration_result result = PALP_PENETRATION_RESULT_INIT;
+    palp_replay replay = PALP_REPLAY_INIT;
+    palp_replayed call = PALP_REPLAYED_INIT;
     palp_body_id id = {0, 0};
     palp_world *world = NULL;
     void *memory = NULL;
@@ -167,6 +170,7 @@ int use_all(void) {
            (int)(input.struct_size + report.flags + state.flags + id.index1 + result.contact_count) +
            (int)(joint.kind + options.method + chain.base.index1 + bent.flags) +
            (int)(hosted.body.index1 + pushed.contacts) +
+           (int)(replay.calls + call.recorded_value) +
            palp_world_create(memory, 0, &room, &world);
 }
 ";

@@ -17,6 +17,8 @@ use std::process::Command;
 use std::{env, fs};
 
 use common::{Compiler, Run, is_installed, library, package, scratch, skip};
+use palpable_kernel::memory::BLOCK_ALIGNMENT;
+use palpable_kernel::recording::Replay;
 use palpable_kernel::state::bodies::Coupling;
 
 fn hash_line(hash: u64) -> String {
@@ -88,6 +90,32 @@ fn an_engine_of_the_hosts_own_in_c_and_cpp() {
         eprint!("{printed}");
         assert!(printed.ends_with(&expected), "{printed}{expected}");
     }
+}
+
+/// The state that the calls of a log come to when the kernel makes them, each as it was recorded.
+fn replayed(log: &[u8]) -> u64 {
+    let mut replay = Replay::open(log).unwrap();
+    let capacities = replay.capacities();
+    let mut memory = vec![0_u8; capacities.bytes() + BLOCK_ALIGNMENT];
+    let start = memory.as_ptr().align_offset(BLOCK_ALIGNMENT);
+    let mut world = replay.start(&mut memory[start..]).unwrap();
+    while replay.next_call(&mut world).unwrap().is_some() {}
+    world.hash()
+}
+
+#[test]
+fn a_log_of_a_host_in_c_and_cpp_is_replayed_there_and_here() {
+    let mut logs = Vec::new();
+    for (way, program) in linked_in_every_way("c/record.c").into_iter().enumerate() {
+        let file = scratch(&format!("record_{way}.palplog"));
+        let printed = Command::new(program).arg(&file).run_clean();
+        eprint!("{printed}");
+        let log = fs::read(file).unwrap();
+        let expected = hash_line(replayed(&log));
+        assert!(printed.ends_with(&expected), "{printed}{expected}");
+        logs.push(log);
+    }
+    assert!(logs.iter().all(|log| *log == logs[0]));
 }
 
 #[test]

@@ -11,6 +11,7 @@ pub mod hand;
 pub mod hand_scene;
 pub mod memory;
 pub mod reference;
+pub mod replay;
 pub mod report;
 pub mod run;
 pub mod script;

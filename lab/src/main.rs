@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
+use palpable::recording::Sink;
 use palpable_lab::accuracy;
 use palpable_lab::accuracy::impulses::row::Case;
 use palpable_lab::avatar::Style;
@@ -14,8 +15,9 @@ use palpable_lab::deadline::{self, Kit, Prices, Trial};
 use palpable_lab::figures::capture::{Clip, Obstacles};
 use palpable_lab::figures::suite::Suite;
 use palpable_lab::hand::Hand;
+use palpable_lab::replay::{self, LogFile};
 use palpable_lab::report::{self, ArmSlaps, Ball, FigureScene, HandCoverage, Machine, Report};
-use palpable_lab::run::{RunPlan, run};
+use palpable_lab::run::{RunPlan, run_into};
 use palpable_lab::script::FRAMES;
 use palpable_lab::slaps;
 
@@ -39,10 +41,19 @@ struct Args {
     /// Where report.json, index.html and the figures go.
     #[arg(long, default_value = "out")]
     out: PathBuf,
+    /// A file for the log of the world's calls, to be replayed; for one scene of the hand. Frame times have
+    /// the recording in them then.
+    #[arg(long)]
+    record: Option<PathBuf>,
 }
 
 #[derive(Subcommand)]
 enum Command {
+    /// Makes the calls of a log again, and names the first frame that comes to another state.
+    Replay {
+        /// The log.
+        file: PathBuf,
+    },
     /// Scores queries against an independent reference in f64, and times them beside other libraries.
     Accuracy {
         #[command(subcommand)]
@@ -216,6 +227,7 @@ fn main() -> ExitCode {
         }) => compared(*trackers, *slaps, *seed, out),
         Some(Command::Calibrate { frames, out }) => calibrated(*frames, out).map(drop),
         Some(Command::Deadline { frames, costs, out }) => deadlines(*frames, costs.as_deref(), out),
+        Some(Command::Replay { file }) => replayed(file),
         Some(Command::Bvh {
             file,
             style,
@@ -320,13 +332,22 @@ fn lab(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
     println!("hand: {} parts\n{coverage}", hand.parts.len());
     let plans = args.scene.plans(args.frames);
     let bar = progress(plans.len() as u64 * u64::from(args.frames), "frames")?;
+    let mut log = match (&args.record, plans.len()) {
+        (Some(path), 1) => Some(LogFile::create(path)?),
+        (Some(_), _) => return Err("--record needs --scene with one scene of the hand".into()),
+        (None, _) => None,
+    };
     let mut runs = Vec::new();
     for plan in &plans {
-        let (run, high_water) = run(&hand, plan, || bar.inc(1))?;
+        let sink = log.as_mut().map(|log| log as &mut dyn Sink);
+        let (run, high_water) = run_into(&hand, plan, sink, || bar.inc(1))?;
         bar.suspend(|| println!("{}: used {high_water:?}", run.name));
         runs.push(run);
     }
     bar.finish_and_clear();
+    if let Some(log) = log {
+        println!("recorded {} bytes", log.finish()?);
+    }
     let slapped = slaps::run(&hand, &slaps::slaps())?;
     let (figures, arm_slaps) = match args.scene {
         Scene::All | Scene::Figures => figures(&hand, args.frames)?,
@@ -351,6 +372,20 @@ fn lab(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
     report::write(&report, &args.out)?;
     println!("wrote {}", args.out.join("index.html").display());
     Ok(())
+}
+
+fn replayed(file: &Path) -> Result<(), Box<dyn std::error::Error>> {
+    let log = std::fs::read(file).map_err(|why| format!("{}: {why}", file.display()))?;
+    let bar = ProgressBar::new_spinner();
+    let found = replay::replay(&log, || bar.inc(1));
+    bar.finish_and_clear();
+    let verdict = found.map_err(|why| format!("{}: {why}", file.display()))?;
+    println!("{verdict}");
+    if verdict.is_equal() {
+        Ok(())
+    } else {
+        Err("the replay differs".into())
+    }
 }
 
 /// Slaps of the arm that are played with so many frames of every scene: with few frames, few.

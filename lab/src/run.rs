@@ -4,6 +4,7 @@ use cpu_time::ThreadTime;
 use palpable::frame::FrameInput;
 use palpable::math::Pose;
 use palpable::memory::Capacities;
+use palpable::recording::Sink;
 use palpable::world::World;
 
 use crate::gallery::is_inside;
@@ -46,11 +47,27 @@ struct Measured {
 pub fn run(
     hand: &Hand,
     plan: &RunPlan,
+    tick: impl FnMut(),
+) -> Result<(Run, Capacities), SceneError> {
+    run_into(hand, plan, None, tick)
+}
+
+/// Runs the hand scene and records it, if there is a sink. The recording's cost is in the frame time.
+///
+/// # Errors
+/// [`SceneError`] when the world refused something.
+pub fn run_into(
+    hand: &Hand,
+    plan: &RunPlan,
+    sink: Option<&mut dyn Sink>,
     mut tick: impl FnMut(),
 ) -> Result<(Run, Capacities), SceneError> {
     let mut block = Block::new(&CAPACITIES);
     let mut world = World::create(block.bytes(), &CAPACITIES)
         .map_err(|why| SceneError(format!("world: {why:?}")))?;
+    if let Some(sink) = sink {
+        world.record_to(sink);
+    }
     let mut script = Script::new(plan.noise.then_some(NOISE_SEED));
     let ids = hand_scene::fill(&mut world, hand, plan.ball, &script.target(0))?;
     let judge = hand_scene::judge(hand, plan.ball)?;

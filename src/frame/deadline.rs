@@ -1,5 +1,7 @@
 //! A frame's time, and what work costs on the host's machine.
 
+use bytemuck::{Pod, Zeroable};
+
 use crate::limits::{BOXES_PER_UNIT, PARTS_PER_UNIT};
 use crate::memory::ids::is_alive;
 use crate::state::State;
@@ -10,7 +12,7 @@ use crate::state::bodies::BodyKind;
 ///
 /// A unit's price covers all that the stage does between two units.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct CostTable {
     /// A frame of an empty world.
     pub frame_ns: u32,

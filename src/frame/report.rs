@@ -66,6 +66,8 @@ impl FrameReport {
     /// The deadline is shorter than the frame's floor: no unit was spent.
     pub const BELOW_FLOOR: u32 = 1 << 10;
 
+    pub(crate) const OF_TIME: u32 = Self::OUT_OF_TIME | Self::LATE | Self::BELOW_FLOOR;
+
     /// The budget that leads to the same bits without a deadline or a clock.
     #[must_use]
     pub const fn spent(&self) -> Budget {

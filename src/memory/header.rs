@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::hash::StateHash;
-use super::{AttachError, BLOCK_ALIGNMENT, Capacities, CreateError};
+use super::{AttachError, BLOCK_ALIGNMENT, Capacities, CreateError, SnapshotError};
 
 /// "PALPABLE", little endian.
 const MAGIC: u64 = u64::from_le_bytes(*b"PALPABLE");
@@ -47,11 +47,23 @@ impl Header {
         hash.value()
     }
 
-    /// The header at the start of `bytes`, if it is whole, however short the rest is.
-    pub(crate) fn read_any(bytes: &[u8]) -> Option<Self> {
-        let header: Self = bytemuck::pod_read_unaligned(bytes.get(..size_of::<Self>())?);
-        let whole = header.magic == MAGIC && header.checksum == header.expected_checksum();
-        whole.then_some(header)
+    /// The header at the start of a snapshot, however short the rest is. The version is judged before the
+    /// checksum: another layout may have another header.
+    pub(crate) fn read_snapshot(bytes: &[u8]) -> Result<Self, SnapshotError> {
+        let bytes = bytes
+            .get(..size_of::<Self>())
+            .ok_or(SnapshotError::Damaged)?;
+        let header: Self = bytemuck::pod_read_unaligned(bytes);
+        if header.magic != MAGIC {
+            return Err(SnapshotError::Damaged);
+        }
+        if header.layout_version != LAYOUT_VERSION {
+            return Err(SnapshotError::OtherLayout);
+        }
+        if header.checksum != header.expected_checksum() {
+            return Err(SnapshotError::Damaged);
+        }
+        Ok(header)
     }
 
     /// Reads and judges the header at the start of `bytes`, however short the rest is.

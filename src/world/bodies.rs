@@ -8,6 +8,7 @@ use crate::math::Pose;
 use crate::memory::ids::free_slot;
 use crate::memory::{BodyId, PieceId};
 use crate::publish::place_pieces;
+use crate::recording::{CallKind, List, calls};
 use crate::state::bodies::{
     BodyKind, BodyMass, Coupling, Displacement, DrivenReport, HostedImpulse, Load, Momentum,
     Settled, Tracker, Waiting, Yielding, is_loose_kind,
@@ -77,6 +78,14 @@ impl World<'_> {
     /// # Errors
     /// [`AddBodyError`].
     pub fn add_body(&mut self, def: &BodyDef) -> Result<BodyId, AddBodyError> {
+        self.recorded(
+            CallKind::AddBody,
+            |to| calls::put_body(to, def),
+            |world| world.take_body(def),
+        )
+    }
+
+    fn take_body(&mut self, def: &BodyDef) -> Result<BodyId, AddBodyError> {
         let pose = def
             .pose
             .normalised(WORLD_REACH_M)
@@ -122,6 +131,14 @@ impl World<'_> {
     /// # Errors
     /// [`BodyError::Stale`].
     pub fn remove_body(&mut self, id: BodyId) -> Result<(), BodyError> {
+        self.recorded(
+            CallKind::RemoveBody,
+            |to| to.pod(&id),
+            |world| world.drop_body(id),
+        )
+    }
+
+    fn drop_body(&mut self, id: BodyId) -> Result<(), BodyError> {
         let body = self.body_index(id)?;
         while self.state.bodies.first_piece[body] != 0 {
             let piece = self.state.bodies.first_piece[body] as usize - 1;
@@ -160,6 +177,17 @@ impl World<'_> {
     /// # Errors
     /// [`BodyError::Stale`], [`BodyError::BadPose`].
     pub fn place_body(&mut self, id: BodyId, pose: &Pose) -> Result<(), BodyError> {
+        self.recorded(
+            CallKind::PlaceBody,
+            |to| {
+                to.pod(&id);
+                to.pod(pose);
+            },
+            |world| world.take_place(id, pose),
+        )
+    }
+
+    fn take_place(&mut self, id: BodyId, pose: &Pose) -> Result<(), BodyError> {
         let body = self.body_index(id)?;
         let pose = pose.normalised(WORLD_REACH_M).ok_or(BodyError::BadPose)?;
         let bodies = &mut self.state.bodies;
@@ -193,6 +221,22 @@ impl World<'_> {
     /// [`BodyError`]; [`BodyError::BadVelocity`] for a coordinate that is not finite or beyond
     /// [`SPEED_MAX`] or [`SPIN_MAX`].
     pub fn set_velocity(
+        &mut self,
+        id: BodyId,
+        linear: [f32; 3],
+        angular: [f32; 3],
+    ) -> Result<(), BodyError> {
+        self.recorded(
+            CallKind::SetVelocity,
+            |to| {
+                to.pod(&id);
+                to.pod(&[linear, angular]);
+            },
+            |world| world.take_velocity(id, linear, angular),
+        )
+    }
+
+    fn take_velocity(
         &mut self,
         id: BodyId,
         linear: [f32; 3],
@@ -242,6 +286,17 @@ impl World<'_> {
     /// # Errors
     /// [`BodyError`]. With [`BodyError::BadPose`] the tracker counts as lost this frame.
     pub fn set_target(&mut self, id: BodyId, target: &Pose) -> Result<(), BodyError> {
+        self.recorded(
+            CallKind::SetTarget,
+            |to| {
+                to.pod(&id);
+                to.pod(target);
+            },
+            |world| world.take_target(id, target),
+        )
+    }
+
+    pub(super) fn take_target(&mut self, id: BodyId, target: &Pose) -> Result<(), BodyError> {
         let body = self.index_of_kind(id, BodyKind::Driven)?;
         let target = target.normalised(WORLD_REACH_M).ok_or(BodyError::BadPose)?;
         let tracker = &mut self.state.bodies.tracker[body];
@@ -257,6 +312,27 @@ impl World<'_> {
     /// # Errors
     /// [`BodyError`]; on an error no piece has a new target.
     pub fn set_piece_targets(&mut self, id: BodyId, poses: &[Pose]) -> Result<(), BodyError> {
+        self.set_listed_targets(id, List::Given(poses))
+    }
+
+    /// The same with poses that lie anywhere.
+    pub(crate) fn set_listed_targets(
+        &mut self,
+        id: BodyId,
+        poses: List<Pose>,
+    ) -> Result<(), BodyError> {
+        let most = self.state.header.capacities.pieces as usize;
+        self.recorded(
+            CallKind::SetPieceTargets,
+            |to| {
+                to.pod(&id);
+                poses.put(to, most);
+            },
+            |world| world.take_piece_targets(id, poses),
+        )
+    }
+
+    fn take_piece_targets(&mut self, id: BodyId, poses: List<Pose>) -> Result<(), BodyError> {
         let body = self.index_of_kind(id, BodyKind::Driven)?;
         let first = self.state.bodies.first_piece[body];
         if PiecesOf::new(self.state.pieces.next, first).count() != poses.len() {
@@ -266,7 +342,7 @@ impl World<'_> {
             return Err(BodyError::BadPose);
         }
         let pieces = &mut self.state.pieces;
-        for (piece, pose) in PiecesOf::new(pieces.next, first).zip(poses) {
+        for (piece, pose) in PiecesOf::new(pieces.next, first).zip(poses.iter()) {
             if let Some(pose) = pose.normalised(WORLD_REACH_M)
                 && pieces.local_target[piece] != pose
             {

@@ -12,6 +12,7 @@ use crate::memory::{BodyId, ChainId, PieceId};
 use crate::publish::{place_pieces, place_published_links};
 use crate::reach::goal::{Goal, Task};
 use crate::reach::least_deviation::least_deviation;
+use crate::recording::{CallKind, calls};
 use crate::state::bodies::BodyKind;
 use crate::state::chains::{
     ChainOptions, ChainReport, TipAsked, ball_at, cone_slot, joints_of, linkage,
@@ -90,6 +91,17 @@ impl World<'_> {
     /// # Errors
     /// [`AddChainError`]; on an error nothing has changed.
     pub fn add_chain(&mut self, body: BodyId, def: &ChainDef) -> Result<ChainId, AddChainError> {
+        self.recorded(
+            CallKind::AddChain,
+            |to| {
+                to.pod(&body);
+                calls::put_chain(to, def);
+            },
+            |world| world.take_chain(body, def),
+        )
+    }
+
+    fn take_chain(&mut self, body: BodyId, def: &ChainDef) -> Result<ChainId, AddChainError> {
         let body = self
             .body_index(body)
             .map_err(|_| AddChainError::StaleBody)?;
@@ -234,6 +246,14 @@ impl World<'_> {
     /// # Errors
     /// [`ChainError::Stale`], [`ChainError::InUse`] when another chain hangs on it.
     pub fn remove_chain(&mut self, id: ChainId) -> Result<(), ChainError> {
+        self.recorded(
+            CallKind::RemoveChain,
+            |to| to.pod(&id),
+            |world| world.drop_chain(id),
+        )
+    }
+
+    fn drop_chain(&mut self, id: ChainId) -> Result<(), ChainError> {
         let chain = self.chain_index(id)?;
         let joints = joints_of(&self.state, chain);
         let body = self.state.chains.body[chain] as usize;
@@ -309,6 +329,23 @@ impl World<'_> {
         hinge: u32,
         def: &PieceDef,
     ) -> Result<PieceId, AddPieceError> {
+        self.recorded(
+            CallKind::AddLinkPiece,
+            |to| {
+                to.pod(&chain);
+                to.pod(&hinge);
+                calls::put_piece(to, def);
+            },
+            |world| world.take_link_piece(chain, hinge, def),
+        )
+    }
+
+    fn take_link_piece(
+        &mut self,
+        chain: ChainId,
+        hinge: u32,
+        def: &PieceDef,
+    ) -> Result<PieceId, AddPieceError> {
         let index = self
             .chain_index(chain)
             .map_err(|_| AddPieceError::StaleChain)?;
@@ -327,6 +364,17 @@ impl World<'_> {
     /// # Errors
     /// [`BodyError::Stale`].
     pub fn set_groups(&mut self, piece: PieceId, groups: Groups) -> Result<(), BodyError> {
+        self.recorded(
+            CallKind::SetGroups,
+            |to| {
+                to.pod(&piece);
+                to.pod(&groups);
+            },
+            |world| world.take_groups(piece, groups),
+        )
+    }
+
+    fn take_groups(&mut self, piece: PieceId, groups: Groups) -> Result<(), BodyError> {
         let piece = piece
             .find(self.state.pieces.generation)
             .ok_or(BodyError::Stale)?;
@@ -344,6 +392,17 @@ impl World<'_> {
         id: ChainId,
         options: &ChainOptions,
     ) -> Result<(), ChainError> {
+        self.recorded(
+            CallKind::SetChainOptions,
+            |to| {
+                to.pod(&id);
+                to.pod(options);
+            },
+            |world| world.take_options(id, options),
+        )
+    }
+
+    fn take_options(&mut self, id: ChainId, options: &ChainOptions) -> Result<(), ChainError> {
         let chain = self.chain_index(id)?;
         if !options.is_valid() {
             return Err(ChainError::BadOptions);
@@ -359,6 +418,17 @@ impl World<'_> {
     /// # Errors
     /// [`ChainError`]; on an error no target has changed.
     pub fn set_angles(&mut self, id: ChainId, angles: &[f32]) -> Result<(), ChainError> {
+        self.recorded(
+            CallKind::SetAngles,
+            |to| {
+                to.pod(&id);
+                to.list(angles, CHAIN_HINGES_MAX);
+            },
+            |world| world.take_angles(id, angles),
+        )
+    }
+
+    fn take_angles(&mut self, id: ChainId, angles: &[f32]) -> Result<(), ChainError> {
         let chain = self.chain_index(id)?;
         let joints = joints_of(&self.state, chain);
         if angles.len() != joints.len() {
@@ -384,6 +454,17 @@ impl World<'_> {
     /// # Errors
     /// [`ChainError`]; on an error no target has changed.
     pub fn set_link_poses(&mut self, id: ChainId, poses: &[Pose]) -> Result<(), ChainError> {
+        self.recorded(
+            CallKind::SetLinkPoses,
+            |to| {
+                to.pod(&id);
+                to.list(poses, CHAIN_HINGES_MAX);
+            },
+            |world| world.take_link_poses(id, poses),
+        )
+    }
+
+    fn take_link_poses(&mut self, id: ChainId, poses: &[Pose]) -> Result<(), ChainError> {
         let chain = self.chain_index(id)?;
         let joints = joints_of(&self.state, chain);
         let mut expected = 0;
@@ -455,6 +536,18 @@ impl World<'_> {
     /// # Errors
     /// [`ChainError`]; on an error no target has changed.
     pub fn set_tip(&mut self, id: ChainId, tip: &Pose, posture: &[f32]) -> Result<f32, ChainError> {
+        self.recorded(
+            CallKind::SetTip,
+            |to| {
+                to.pod(&id);
+                to.pod(tip);
+                to.list(posture, CHAIN_HINGES_MAX);
+            },
+            |world| world.take_tip(id, tip, posture),
+        )
+    }
+
+    fn take_tip(&mut self, id: ChainId, tip: &Pose, posture: &[f32]) -> Result<f32, ChainError> {
         let chain = self.chain_index(id)?;
         let joints = joints_of(&self.state, chain);
         if posture.len() != joints.len() {
@@ -562,7 +655,18 @@ impl World<'_> {
     /// # Errors
     /// [`ChainError`]; on an error nothing has changed.
     pub fn place_angles(&mut self, id: ChainId, angles: &[f32]) -> Result<(), ChainError> {
-        self.set_angles(id, angles)?;
+        self.recorded(
+            CallKind::PlaceAngles,
+            |to| {
+                to.pod(&id);
+                to.list(angles, CHAIN_HINGES_MAX);
+            },
+            |world| world.place_at_angles(id, angles),
+        )
+    }
+
+    fn place_at_angles(&mut self, id: ChainId, angles: &[f32]) -> Result<(), ChainError> {
+        self.take_angles(id, angles)?;
         let chain = self.chain_index(id)?;
         for joint in joints_of(&self.state, chain) {
             let joints = &mut self.state.joints;

@@ -5,6 +5,7 @@ use super::{BodyError, World};
 use crate::limits::WORLD_REACH_M;
 use crate::math::{self, Pose};
 use crate::memory::BodyId;
+use crate::recording::{CallKind, List, calls};
 use crate::state::bodies::BodyKind;
 use crate::state::pieces::PiecesOf;
 
@@ -79,6 +80,27 @@ impl World<'_> {
         id: BodyId,
         input: &JointInput,
     ) -> Result<JointUse, SetJointsError> {
+        self.set_listed_joints(id, &Joints::given(input))
+    }
+
+    /// The same with joints that lie anywhere.
+    pub(crate) fn set_listed_joints(
+        &mut self,
+        id: BodyId,
+        input: &Joints,
+    ) -> Result<JointUse, SetJointsError> {
+        let most = self.state.header.capacities.pieces as usize;
+        self.recorded(
+            CallKind::SetJoints,
+            |to| {
+                to.pod(&id);
+                calls::put_joints(to, input, most);
+            },
+            |world| world.take_joints(id, input),
+        )
+    }
+
+    fn take_joints(&mut self, id: BodyId, input: &Joints) -> Result<JointUse, SetJointsError> {
         let body = self.body_index(id)?;
         if self.state.bodies.kind[body] != BodyKind::Driven.code() {
             return Err(SetJointsError::WrongKind);
@@ -92,7 +114,7 @@ impl World<'_> {
         let Some(root) = input.root() else {
             return Ok(JointUse::default());
         };
-        self.set_target(id, &root)?;
+        self.take_target(id, &root)?;
         let mut used = JointUse {
             root: true,
             pieces_kept: 0,
@@ -112,15 +134,34 @@ impl World<'_> {
     }
 }
 
-impl JointInput<'_> {
+/// A [`JointInput`] whose lists may lie in a log.
+pub(crate) struct Joints<'a> {
+    pub joints: List<'a, Option<Pose>>,
+    pub root: usize,
+    pub piece_joints: List<'a, u32>,
+    pub piece_offsets: List<'a, Pose>,
+    pub reach_m: f32,
+}
+
+impl<'a> Joints<'a> {
+    fn given(input: &JointInput<'a>) -> Self {
+        Self {
+            joints: List::Given(input.joints),
+            root: input.root,
+            piece_joints: List::Given(input.piece_joints),
+            piece_offsets: List::Given(input.piece_offsets),
+            reach_m: input.reach_m,
+        }
+    }
+
     /// Refuses what no tracker can be blamed for.
     fn judge(&self, pieces: usize) -> Result<(), SetJointsError> {
-        let offsets = self.piece_offsets;
+        let offsets = &self.piece_offsets;
         if self.piece_joints.len() != pieces || !(offsets.is_empty() || offsets.len() == pieces) {
             return Err(SetJointsError::WrongCount);
         }
         let known = |joint: usize| joint < self.joints.len();
-        if !known(self.root) || !self.piece_joints.iter().all(|&j| known(j as usize)) {
+        if !known(self.root) || !self.piece_joints.iter().all(|j| known(j as usize)) {
             return Err(SetJointsError::UnknownJoint);
         }
         if offsets
@@ -137,12 +178,17 @@ impl JointInput<'_> {
     }
 
     fn root(&self) -> Option<Pose> {
-        self.joints[self.root]?.normalised(WORLD_REACH_M)
+        self.joint(self.root)
+    }
+
+    /// A joint's pose; `None` when it is not good.
+    fn joint(&self, index: usize) -> Option<Pose> {
+        self.joints.get(index)??.normalised(WORLD_REACH_M)
     }
 
     /// Where a piece is to be in the body's frame; `None` when its joint is not good.
     fn piece_target(&self, number: usize, root: &Pose) -> Option<Pose> {
-        let joint = self.joints[self.piece_joints[number] as usize]?.normalised(WORLD_REACH_M)?;
+        let joint = self.joint(self.piece_joints.get(number)? as usize)?;
         let local = joint.seen_from(root);
         if math::length(local.translation()) > self.reach_m {
             return None;

@@ -1,5 +1,6 @@
 //! What a host does to loose bodies, and what it reads of them.
 
+use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 
 use super::{BodyError, World};
@@ -7,12 +8,13 @@ use crate::limits::{FORCE_MAX, SPEED_MAX, SPIN_MAX, WORLD_REACH_M};
 use crate::math::Pose;
 use crate::memory::BodyId;
 use crate::publish::place_pieces;
+use crate::recording::CallKind;
 use crate::state::bodies::{BodyKind, BodyMass, HostedImpulse};
 use crate::state::events::ContactEvent;
 
 /// A body of the host's own physics engine, as the host has it before a frame.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct HostedInput {
     /// A body of the kind [`BodyKind::Hosted`].
     pub body: BodyId,
@@ -54,6 +56,22 @@ impl World<'_> {
         force: [f32; 3],
         torque: [f32; 3],
     ) -> Result<(), BodyError> {
+        self.recorded(
+            CallKind::ApplyForce,
+            |to| {
+                to.pod(&id);
+                to.pod(&[force, torque]);
+            },
+            |world| world.take_force(id, force, torque),
+        )
+    }
+
+    fn take_force(
+        &mut self,
+        id: BodyId,
+        force: [f32; 3],
+        torque: [f32; 3],
+    ) -> Result<(), BodyError> {
         let body = self.index_of_kind(id, BodyKind::Dynamic)?;
         let load = &mut self.state.bodies.load[body];
         let force = load.force + Vec3::from_array(force);
@@ -74,6 +92,22 @@ impl World<'_> {
     /// [`BodyError`]; [`BodyError::BadForce`] for a coordinate that is not finite or beyond
     /// [`FORCE_MAX`], [`BodyError::BadPose`] for a point beyond [`WORLD_REACH_M`].
     pub fn apply_impulse(
+        &mut self,
+        id: BodyId,
+        impulse: [f32; 3],
+        point: [f32; 3],
+    ) -> Result<(), BodyError> {
+        self.recorded(
+            CallKind::ApplyImpulse,
+            |to| {
+                to.pod(&id);
+                to.pod(&[impulse, point]);
+            },
+            |world| world.take_impulse(id, impulse, point),
+        )
+    }
+
+    fn take_impulse(
         &mut self,
         id: BodyId,
         impulse: [f32; 3],
@@ -133,7 +167,12 @@ impl World<'_> {
     ) -> Result<(), HostedError> {
         let mut first = Ok(());
         for (index, input) in inputs.into_iter().enumerate() {
-            if let Err(error) = self.set_one_hosted(&input)
+            let taken = self.recorded(
+                CallKind::SetHosted,
+                |to| to.pod(&input),
+                |world| world.set_one_hosted(&input),
+            );
+            if let Err(error) = taken
                 && first.is_ok()
             {
                 first = Err(HostedError { index, error });

@@ -8,6 +8,7 @@ use crate::math::{self, Pose};
 use crate::memory::ids::free_slot;
 use crate::memory::{BodyId, PieceId};
 use crate::publish::place_pieces;
+use crate::recording::{CallKind, calls};
 use crate::state::bodies::{BodyKind, BodyMass};
 use crate::state::materials::Material;
 use crate::state::pieces::{Groups, PiecesOf, PoolUse};
@@ -106,6 +107,17 @@ impl World<'_> {
     /// # Errors
     /// [`AddPieceError`]; on an error nothing has changed.
     pub fn add_piece(&mut self, body: BodyId, def: &PieceDef) -> Result<PieceId, AddPieceError> {
+        self.recorded(
+            CallKind::AddPiece,
+            |to| {
+                to.pod(&body);
+                calls::put_piece(to, def);
+            },
+            |world| world.take_piece(body, def),
+        )
+    }
+
+    fn take_piece(&mut self, body: BodyId, def: &PieceDef) -> Result<PieceId, AddPieceError> {
         let body = self
             .body_index(body)
             .map_err(|_| AddPieceError::StaleBody)?;
@@ -210,6 +222,14 @@ impl World<'_> {
     /// # Errors
     /// [`super::BodyError::Stale`].
     pub fn remove_piece(&mut self, id: PieceId) -> Result<(), super::BodyError> {
+        self.recorded(
+            CallKind::RemovePiece,
+            |to| to.pod(&id),
+            |world| world.drop_piece(id),
+        )
+    }
+
+    fn drop_piece(&mut self, id: PieceId) -> Result<(), super::BodyError> {
         let piece = id
             .find(self.state.pieces.generation)
             .ok_or(super::BodyError::Stale)?;

@@ -4,6 +4,7 @@ use super::World;
 use crate::memory::SnapshotError;
 use crate::memory::hash::StateHash;
 use crate::memory::header::Header;
+use crate::recording::CallKind;
 
 /// The checksum that ends a snapshot.
 const CHECKSUM_BYTES: usize = 8;
@@ -26,12 +27,17 @@ impl World<'_> {
             return Err(SnapshotError::TooSmall);
         }
         let mut end = 0;
-        self.state.visit(&mut |column| {
-            buffer[end..end + column.len()].copy_from_slice(column);
-            end += column.len();
+        self.save_in_pieces(&mut |piece| {
+            buffer[end..end + piece.len()].copy_from_slice(piece);
+            end += piece.len();
         });
-        buffer[end..end + CHECKSUM_BYTES].copy_from_slice(&self.state.checksum().to_le_bytes());
-        Ok(end + CHECKSUM_BYTES)
+        Ok(end)
+    }
+
+    /// Hands a snapshot on in pieces, the checksum last.
+    pub(crate) fn save_in_pieces(&self, put: &mut impl FnMut(&[u8])) {
+        self.state.visit(put);
+        put(&self.state.checksum().to_le_bytes());
     }
 
     /// Rolls back to a snapshot of a world with the same capacities, this one or another. On an
@@ -40,7 +46,16 @@ impl World<'_> {
     /// # Errors
     /// [`SnapshotError`] when the buffer holds no such snapshot.
     pub fn load(&mut self, buffer: &[u8]) -> Result<(), SnapshotError> {
-        let header = Header::read_any(buffer).ok_or(SnapshotError::Damaged)?;
+        let looked_at = buffer.len().min(self.snapshot_bytes());
+        self.recorded(
+            CallKind::Load,
+            |to| to.bytes(&buffer[..looked_at]),
+            |world| world.take_snapshot(buffer),
+        )
+    }
+
+    fn take_snapshot(&mut self, buffer: &[u8]) -> Result<(), SnapshotError> {
+        let header = Header::read_snapshot(buffer)?;
         if header != *self.state.header {
             return Err(SnapshotError::OtherLayout);
         }
