@@ -8,7 +8,7 @@ use std::path::Path;
 
 use common::{Block, add_box};
 use glam::Vec3;
-use palpable::frame::{Budget, FrameInput};
+use palpable::frame::{Budget, CostTable, Deadline, FrameInput};
 use palpable::geometry::chain::{Hinge, JointDef};
 use palpable::geometry::reach_cone::ReachCone;
 use palpable::limits::{CHAIN_HINGES_MAX, PIECE_VERTICES_MAX};
@@ -54,6 +54,17 @@ impl Made {
         self.refused.insert(name);
         self.calls += 1;
         assert!(done.is_err(), "{name} is to be refused");
+    }
+
+    /// A frame that a clock ends after so many units.
+    fn step_cut(&mut self, world: &mut World, units: u64) {
+        self.calls += 1;
+        let asked = std::cell::Cell::new(0);
+        let clock = || {
+            asked.set(asked.get() + 1);
+            asked.get()
+        };
+        world.step_by_clock(&FRAME, &clock, 1 + units);
     }
 
     fn step(&mut self, world: &mut World, input: &FrameInput) {
@@ -360,6 +371,25 @@ fn live(world: &mut World, frames: u32) -> Made {
         impulse_units: 0,
         reach_steps: 0,
     };
+    for units in 0..6 {
+        made.step_cut(world, units);
+    }
+    let costs = CostTable {
+        advance_unit_ns: 1000,
+        impulse_unit_ns: 1000,
+        ..CostTable::default()
+    };
+    let deadline = Deadline {
+        time_ns: 3000,
+        costs,
+    };
+    made.step(
+        world,
+        &FrameInput {
+            focus: Some([0.1, 0.2, 0.3]),
+            ..FrameInput::within(1.0 / 90.0, deadline)
+        },
+    );
     made.step(world, &FrameInput { budget, ..FRAME });
     let pose = Pose::at(0.2, 0.5, 0.0);
     made.fine("place_body", world.place_body(scene.crate_body, &pose));
@@ -740,7 +770,7 @@ fn a_replay_goes_on_from_its_position() {
         assert_eq!(position.calls, calls);
     }
     assert_eq!(position.at, log.len() as u64);
-    assert_eq!(position.frames, 8);
+    assert_eq!(position.frames, 15);
     assert_eq!(world.hash(), hash);
     for at in [1, log.len() as u64 + 1, u64::MAX] {
         let nowhere = palpable::recording::ReplayPosition { at, ..position };
@@ -931,6 +961,8 @@ fn every_method_that_changes_a_world_is_recorded() {
     for name in about_recording {
         assert!(methods.remove(name), "{name}");
     }
+    // Recorded as the step that its units replay.
+    assert!(methods.remove("step_by_clock"));
     let recorded: BTreeSet<_> = CallKind::ALL
         .iter()
         .map(|kind| kind.name().to_owned())
