@@ -8,9 +8,10 @@ pub mod figures;
 pub mod gallery;
 pub mod hand;
 pub mod hand_scene;
-pub mod memory;
-pub mod reference;
 pub mod report;
 pub mod run;
 pub mod script;
+pub mod simulate;
 pub mod slaps;
+
+pub use palpable_simulation::{memory, reference};
