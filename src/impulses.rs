@@ -29,6 +29,7 @@ use crate::state::bodies::{BodyKind, HostedImpulse, Load};
 use crate::state::islands::GiveWay;
 use crate::state::purse::Purse;
 use glam::Vec3;
+use sweep::Swept;
 
 /// A stretch of an island's frame: shares of the frame, and its length in seconds.
 #[derive(Clone, Copy, Debug)]
@@ -168,7 +169,7 @@ impl Island {
         let mut stalls = 0;
         for _ in 0..EVENTS_MAX {
             let from = self.stretch.from;
-            let Some(blocked) = self.advance(state, purse, report) else {
+            let Some(swept) = self.advance(state, purse, report) else {
                 return from;
             };
             let time = self.stretch.from;
@@ -177,7 +178,9 @@ impl Island {
             }
             stalls = if time - from <= 1e-4 { stalls + 1 } else { 0 };
             if stalls > STALLS_MAX {
-                movers::stop_blocked(state, blocked, time);
+                if let Some(blocked) = swept.blocked {
+                    movers::stop_blocked(state, blocked, time);
+                }
                 stalls = 0;
             }
             self.stretch.to = next_break(state, self.stretch.island as usize, time);
@@ -211,13 +214,13 @@ impl Island {
         true
     }
 
-    /// Moves everybody as far as all stay clear; the pair that ended it, `None` when nobody could move.
+    /// Moves everybody as far as all stay clear; how far that was, `None` when nobody could move.
     fn advance(
         &mut self,
         state: &mut State,
         purse: &mut Purse,
         report: &mut FrameReport,
-    ) -> Option<usize> {
+    ) -> Option<Swept> {
         self.pairs?;
         let stretch = self.stretch;
         if !sweep::update(state, &stretch, &mut self.pairs) {
@@ -235,7 +238,7 @@ impl Island {
         } else {
             stretch.from + (stretch.to - stretch.from) * swept.reached
         };
-        Some(swept.blocked)
+        Some(swept)
     }
 }
 
