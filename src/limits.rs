@@ -190,6 +190,10 @@ const _: () = assert!(GAP_REST_M < LOOSE_REST_M && LOOSE_REST_M < LOOSE_MARGIN_M
 /// Most plans of one driven body's way through one frame; those that gain nothing add no leg.
 pub const ROUNDS_MAX: u32 = 2 * LEGS_MAX as u32;
 
+/// Most places where a driven body is tried that gets out of overlap which the host made. Each but the last
+/// was among pieces that it was not near before.
+pub const WAY_OUT_ROUNDS_MAX: u32 = 3;
+
 /// Most translations that a question about two bodies tries. Each but the last was found to bring in
 /// pairs of pieces that were not in the way before.
 pub const QUERY_ROUNDS_MAX: u32 = 8;
