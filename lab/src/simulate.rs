@@ -107,7 +107,13 @@ pub fn tables(simulated: &Simulated) -> String {
 fn overlaps(tally: &Tally) -> Table {
     let mut table = Table::new();
     table.load_preset(comfy_table::presets::ASCII_MARKDOWN);
-    table.set_header(["deepest overlap, mm", "promised", "seen", "where the host made it"]);
+    table.set_header([
+        "deepest overlap, mm",
+        "promised",
+        "seen",
+        "where the host made it",
+        "not promised",
+    ]);
     let mm = |metres: f64| format!("{:.4}", 1e3 * metres);
     for class in Class::ALL {
         let index = class as usize;
@@ -116,10 +122,9 @@ fn overlaps(tally: &Tally) -> Table {
             mm(class.limit_m()),
             mm(tally.worst.clean_m[index]),
             mm(tally.worst.made_m[index]),
+            mm(tally.worst.excused_m[index]),
         ]);
     }
-    let stopped = mm(tally.worst.stopped_m);
-    table.add_row(["driven, one stopped by a loose body", "–", &stopped, ""]);
     align(&mut table);
     table
 }
@@ -129,7 +134,11 @@ fn calls(tally: &Tally) -> Table {
     table.load_preset(comfy_table::presets::ASCII_MARKDOWN);
     table.set_header(["call", "taken", "refused"]);
     for (call, [taken, refused]) in Call::ALL.iter().zip(tally.calls) {
-        table.add_row([call.name().to_owned(), taken.to_string(), refused.to_string()]);
+        table.add_row([
+            call.name().to_owned(),
+            taken.to_string(),
+            refused.to_string(),
+        ]);
     }
     align(&mut table);
     table

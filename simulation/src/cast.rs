@@ -9,8 +9,8 @@ use palpable::state::bodies::{BodyKind, Coupling};
 use palpable::state::chains::ChainOptions;
 use palpable::state::pieces::Groups;
 use palpable::world::{
-    AddBodyError, AddChainError, AddPieceError, BodyDef, BodyError, ChainDef, ChainError, HostedError,
-    HostedInput, PieceDef, Shape, World,
+    AddBodyError, AddChainError, AddPieceError, BodyDef, BodyError, ChainDef, ChainError,
+    HostedError, HostedInput, PieceDef, Shape, World,
 };
 
 use crate::reference::Solid;
@@ -310,11 +310,7 @@ impl Cast {
     ///
     /// # Errors
     /// Those of [`World::set_hosted`].
-    pub fn set_hosted(
-        &mut self,
-        world: &mut World,
-        input: HostedInput,
-    ) -> Result<(), HostedError> {
+    pub fn set_hosted(&mut self, world: &mut World, input: HostedInput) -> Result<(), HostedError> {
         world.set_hosted([input])?;
         self.moves += 1;
         Ok(())

@@ -23,7 +23,7 @@ pub trait Draw {
 
     /// A number below `bound`, which is 1 to 256.
     fn below(&mut self, bound: u32) -> u32 {
-        u32::from(self.byte()) * bound >> 8
+        (u32::from(self.byte()) * bound) >> 8
     }
 
     /// True once in `times`, which is 1 to 256.

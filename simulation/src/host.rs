@@ -138,7 +138,12 @@ impl Host {
 
     /// Gives every driven body a tracker.
     fn track_all(&mut self, world: &World) {
-        for body in self.cast.bodies.iter().filter(|b| b.kind == BodyKind::Driven) {
+        for body in self
+            .cast
+            .bodies
+            .iter()
+            .filter(|b| b.kind == BodyKind::Driven)
+        {
             let known = self.trackers.iter().any(|tracker| tracker.body == body.id);
             if !known {
                 let pose = world.pose(body.id).unwrap_or_default();
@@ -146,7 +151,8 @@ impl Host {
             }
         }
         let cast = &self.cast;
-        self.trackers.retain(|tracker| cast.body(tracker.body).is_some());
+        self.trackers
+            .retain(|tracker| cast.body(tracker.body).is_some());
     }
 
     /// Does what a host does before a frame.
@@ -321,9 +327,7 @@ impl Host {
 
     fn add_chain(&mut self, draw: &mut impl Draw, world: &mut World) -> Taken {
         let id = self.body(draw);
-        let base = draw
-            .once_in(3)
-            .then(|| (self.chain(draw), draw.below(4)));
+        let base = draw.once_in(3).then(|| (self.chain(draw), draw.below(4)));
         scene::add_chain(draw, world, &mut self.cast, id, base).is_some()
     }
 
@@ -489,9 +493,8 @@ impl Host {
         }
         if draw.once_in(3) {
             let joint = |draw: &mut dyn FnMut() -> Pose| Some(tracker.pose.then(&draw()));
-            let mut joints: Vec<Option<Pose>> = (0..count)
-                .map(|_| joint(&mut || draw.pose(0.1)))
-                .collect();
+            let mut joints: Vec<Option<Pose>> =
+                (0..count).map(|_| joint(&mut || draw.pose(0.1))).collect();
             joints.push(Some(tracker.pose));
             if draw.once_in(clean_joints(self.style.clean)) {
                 joints[0] = [None, Some(draw.bad_pose())][draw.below(2) as usize];
@@ -504,7 +507,10 @@ impl Host {
                 piece_offsets: &[],
                 reach_m: 0.5,
             };
-            return (Call::SetJoints, world.set_joints(tracker.body, &input).is_ok());
+            return (
+                Call::SetJoints,
+                world.set_joints(tracker.body, &input).is_ok(),
+            );
         }
         let mut locals: Vec<Pose> = (0..count).map(|_| draw.pose(0.08)).collect();
         if draw.once_in(clean_joints(self.style.clean)) && count > 0 {

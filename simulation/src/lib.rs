@@ -4,6 +4,7 @@
 //! lab's simulator share it.
 
 pub mod cast;
+pub mod damage;
 pub mod draw;
 pub mod host;
 pub mod invariants;

@@ -277,13 +277,7 @@ pub fn add_body(
 }
 
 /// A place where a ball of this radius meets nobody, if one is soon found.
-fn place(
-    draw: &mut impl Draw,
-    style: &Style,
-    world: &World,
-    cast: &Cast,
-    reach_m: f32,
-) -> Pose {
+fn place(draw: &mut impl Draw, style: &Style, world: &World, cast: &Cast, reach_m: f32) -> Pose {
     let mut pose = Pose::IDENTITY;
     for _ in 0..6 {
         pose = draw.pose(1.0);

@@ -37,9 +37,8 @@ impl Tally {
         let has = |flags: u32| u64::from(report.flags & flags != 0);
         self.frames += 1;
         self.still += has(FrameReport::BAD_TIME_STEP);
-        self.cut += has(
-            FrameReport::ADVANCE_CUT | FrameReport::IMPULSES_CUT | FrameReport::REACH_CUT,
-        );
+        self.cut +=
+            has(FrameReport::ADVANCE_CUT | FrameReport::IMPULSES_CUT | FrameReport::REACH_CUT);
         self.full += has(FrameReport::FULL_PAIRS | FrameReport::FULL_CONTACTS);
         self.overlapping += has(FrameReport::OVERLAP);
         self.touching += u64::from(report.contacts > 0);
@@ -50,7 +49,8 @@ impl Tally {
         for class in 0..Class::COUNT {
             self.worst.clean_m[class] = self.worst.clean_m[class].max(worst.clean_m[class]);
             self.worst.made_m[class] = self.worst.made_m[class].max(worst.made_m[class]);
+            self.worst.excused_m[class] = self.worst.excused_m[class].max(worst.excused_m[class]);
         }
-        self.worst.stopped_m = self.worst.stopped_m.max(worst.stopped_m);
+        self.worst.outside_rad = self.worst.outside_rad.max(worst.outside_rad);
     }
 }
