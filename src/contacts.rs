@@ -7,12 +7,13 @@
 //! are measured by the stage that needs them, where the body is on its way.
 
 use arrayvec::ArrayVec;
+use glam::Vec3;
 
 use crate::geometry::separation::{separation, separation_from};
 use crate::geometry::union::{
     NODES_USUAL, UNION_PAIRS_MAX, UnionPair, UnionScratch, least_translation,
 };
-use crate::limits::{GAP_REST_M, GAP_TOUCHING_M, WAY_OUT_PAIR_UNITS, WAY_OUT_UNITS};
+use crate::limits::{GAP_REST_M, GAP_TOUCHING_M, WAY_OUT_PAIR_UNITS, WAY_OUT_UNITS, WORLD_REACH_M};
 use crate::math::Pose;
 use crate::state::State;
 use crate::state::contacts::{self, ContactPoint, Pair};
@@ -20,14 +21,13 @@ use crate::state::pieces::Bounds;
 use crate::state::purse::Purse;
 use crate::state::ways::{Position, is_own, obstacle_bounds, obstacle_pose, piece_pose};
 
-/// Where a driven body that overlaps fixed pieces or other driven bodies gets clear of them, moved as a
-/// whole; `None` when no way out was found and verified.
+/// Where a driven body that overlaps fixed pieces or other driven bodies gets clear of these pairs, moved
+/// as a whole; `None` when no way out was found.
 ///
-/// The search spends [`WAY_OUT_UNITS`] and [`WAY_OUT_PAIR_UNITS`] a pair and is not begun with fewer;
-/// verifying spends a distance query a pair whose boxes overlap there. The search keeps about 130 kB on
-/// the stack.
+/// The search spends [`WAY_OUT_UNITS`] and [`WAY_OUT_PAIR_UNITS`] a pair and is not begun with fewer. It
+/// keeps about 130 kB on the stack.
 pub(crate) fn way_out(
-    state: &mut State,
+    state: &State,
     pairs: usize,
     at: &Position,
     purse: &mut Purse,
@@ -36,10 +36,37 @@ pub(crate) fn way_out(
     if !purse.take(WAY_OUT_UNITS + WAY_OUT_PAIR_UNITS * searched) {
         return None;
     }
-    let out = search(state, pairs, at)?;
-    let moved = Position { root: out, ..*at };
-    let left = deepest_gap(state, pairs, &moved, purse)?;
-    (left > 0.0).then_some(out)
+    let mut listed: ArrayVec<UnionPair, UNION_PAIRS_MAX> = ArrayVec::new();
+    for pair in &state.pairs.list[..pairs] {
+        if is_own(state, pair) {
+            continue;
+        }
+        let (a, b) = (pair.a as usize, pair.b as usize);
+        listed
+            .try_push(UnionPair {
+                a: state.pools.convex(&state.pieces.shape[a]),
+                a_pose: pose_of(state, pair, at),
+                b: state.pools.convex(&state.pieces.shape[b]),
+                b_pose: obstacle_pose(state, b),
+            })
+            .ok()?;
+    }
+    let mut scratch = UnionScratch::new();
+    let found = least_translation(&listed, GAP_REST_M, NODES_USUAL, &mut scratch);
+    let out = at.root.moved(found.offset);
+    let inside = out.translation().abs().cmple(Vec3::splat(WORLD_REACH_M));
+    (found.verified && inside.all()).then_some(out)
+}
+
+/// Whether a body is clear of the pieces that it is paired with; `None` when the units ran out. Spends a
+/// distance query a pair whose boxes overlap there.
+pub(crate) fn is_clear(
+    state: &State,
+    pairs: usize,
+    at: &Position,
+    purse: &mut Purse,
+) -> Option<bool> {
+    Some(deepest_gap(state, pairs, at, purse)? > 0.0)
 }
 
 /// The moving piece's pose where the body is.
@@ -70,33 +97,11 @@ fn deepest_gap(state: &State, pairs: usize, at: &Position, purse: &mut Purse) ->
             &state.pools.convex(&state.pieces.shape[b]),
             &pose,
             &obstacle_pose(state, b),
-            glam::Vec3::ZERO,
+            Vec3::ZERO,
         );
         deepest = crate::math::min(found.gap_m, deepest);
     }
     Some(deepest)
-}
-
-/// The body moved by the global penetration depth of all its pairs.
-fn search(state: &State, pairs: usize, at: &Position) -> Option<Pose> {
-    let mut listed: ArrayVec<UnionPair, UNION_PAIRS_MAX> = ArrayVec::new();
-    for pair in &state.pairs.list[..pairs] {
-        if is_own(state, pair) {
-            continue;
-        }
-        let (a, b) = (pair.a as usize, pair.b as usize);
-        listed
-            .try_push(UnionPair {
-                a: state.pools.convex(&state.pieces.shape[a]),
-                a_pose: pose_of(state, pair, at),
-                b: state.pools.convex(&state.pieces.shape[b]),
-                b_pose: obstacle_pose(state, b),
-            })
-            .ok()?;
-    }
-    let mut scratch = UnionScratch::new();
-    let found = least_translation(&listed, GAP_REST_M, NODES_USUAL, &mut scratch);
-    found.verified.then(|| at.root.moved(found.offset))
 }
 
 /// Measures, at the leg's start, every pair that may be in contact there. False when the budget ran

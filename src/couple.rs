@@ -15,6 +15,7 @@ use crate::state::State;
 use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, Tracker};
 use crate::state::chains::{ChainOptions, ball_at, joints_of, linkage, next_chain};
 use crate::state::pieces::Bounds;
+use crate::state::ways::in_world;
 
 /// The spring's exact map over one time step: (x, v) -> (xx x + xv v, vx x + vv v).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -277,7 +278,8 @@ fn is_below(v: Vec3, bound: f32) -> bool {
     v.x.abs() < bound && v.y.abs() < bound && v.z.abs() < bound
 }
 
-/// The target moved by the displacement; the target itself, to the bit, when there is none.
+/// The target moved by the displacement, but not out of the world; the target itself, to the bit, when there
+/// is none.
 fn displaced(target: &Pose, displacement: &Displacement) -> Pose {
     if displacement.is_zero() {
         return *target;
@@ -287,5 +289,5 @@ fn displaced(target: &Pose, displacement: &Displacement) -> Pose {
     } else {
         math::renormalised(math::quat_from_rotation_vector(displacement.rotation) * target.quat())
     };
-    Pose::new(turned, target.translation() + displacement.offset)
+    Pose::new(turned, in_world(target.translation() + displacement.offset))
 }

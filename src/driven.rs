@@ -11,7 +11,9 @@ use glam::Vec3;
 
 use crate::frame::{FrameReport, Spending};
 use crate::geometry::linkage::angle_at;
-use crate::limits::{ADVANCE_UNITS_MAX, LEGS_MAX, PAIR_MARGIN_M, PLAN_UNITS, ROUNDS_MAX, STILL_M};
+use crate::limits::{
+    ADVANCE_UNITS_MAX, LEGS_MAX, PAIR_MARGIN_M, PLAN_UNITS, ROUNDS_MAX, STILL_M, WAY_OUT_ROUNDS_MAX,
+};
 use crate::math::{self, Pose};
 use crate::reach::{self, Hold, Plan};
 use crate::state::State;
@@ -23,7 +25,9 @@ use crate::state::contacts::{PairsFull, box_parts};
 use crate::state::islands::GiveWay;
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::purse::Purse;
-use crate::state::ways::{BodyTrack, Leg, Position, driven_at, piece_motion, piece_pose, track};
+use crate::state::ways::{
+    BodyTrack, Leg, Position, driven_at, in_world, piece_motion, piece_pose, track,
+};
 use crate::{advance, contacts, pairs};
 use line::Line;
 
@@ -36,7 +40,7 @@ pub(crate) fn run(state: &mut State, spending: &Spending, report: &mut FrameRepo
     if state.registers.driven > 1 {
         look_ahead(state);
     }
-    let mut overlaps = 0;
+    let mut disturbed = 0;
     let mut line = Line::new(spending.focus);
     while let Some(body) = line.next(state) {
         let mut purses = purses(spending, report);
@@ -49,7 +53,11 @@ pub(crate) fn run(state: &mut State, spending: &Spending, report: &mut FrameRepo
             settled::note(state, body, flags);
             flags
         };
-        overlaps |= flags & DrivenReport::OVERLAPS;
+        disturbed |= flags & DrivenReport::OVERLAPS;
+        if state.registers.disturbed == 1 {
+            // Nobody may have looked yet.
+            disturbed |= flags & (DrivenReport::CUT | DrivenReport::POOL_FULL);
+        }
         state.bodies.report[body].flags |= flags;
         purses.book(flags, report);
         if chains_cut(state, body) > 0 {
@@ -60,7 +68,7 @@ pub(crate) fn run(state: &mut State, spending: &Spending, report: &mut FrameRepo
         }
     }
     line.end(state, report);
-    state.registers.disturbed = u32::from(overlaps != 0);
+    state.registers.disturbed = u32::from(disturbed != 0);
 }
 
 /// Plans the ways of driven bodies anew that loose objects do not get out of the way of: the root as far as
@@ -103,7 +111,7 @@ fn yield_once(state: &mut State, body: usize, purses: &mut Purses) -> u32 {
     let goal = Position {
         root: Pose::new(
             if holds { start.root } else { planned.root }.quat(),
-            start.root.translation() + way,
+            in_world(start.root.translation() + way),
         ),
         local: if holds { 0.0 } else { planned.local },
         leg: 0,
@@ -349,7 +357,7 @@ impl Walk {
             return Ok(());
         }
         self.flags |= DrivenReport::OVERLAPS;
-        if let Some(root) = contacts::way_out(state, self.pairs, &self.at, purse) {
+        if let Some(root) = self.way_out(state, purse)? {
             reach::stay(state, self.body, self.at.leg);
             let goal = Position {
                 root,
@@ -359,9 +367,33 @@ impl Walk {
             self.at = push_leg(state, self.body, &self.at, &goal, 1.0, 1.0);
             self.wanted.leg = self.at.leg;
             reach::propose(state, self.body, self.at.leg);
-            self.collect(state, &self.wanted.clone())?;
         }
-        Ok(())
+        self.collect(state, &self.wanted.clone())
+    }
+
+    /// Where the body gets clear of what it overlaps and of whatever else is there; `None` when no such
+    /// place was found. A place among pieces that were too far away to be paired is looked for again with
+    /// these.
+    fn way_out(&mut self, state: &mut State, purse: &mut Purse) -> Result<Option<Pose>, PairsFull> {
+        for _ in 0..WAY_OUT_ROUNDS_MAX {
+            let Some(root) = contacts::way_out(state, self.pairs, &self.at, purse) else {
+                return Ok(None);
+            };
+            let goal = Position {
+                root,
+                share: 1.0,
+                ..self.at
+            };
+            if !self.pays_for_pairs(state, purse) {
+                return Ok(None);
+            }
+            self.collect(state, &goal)?;
+            match contacts::is_clear(state, self.pairs, &goal, purse) {
+                Some(false) => {}
+                clear => return Ok(clear.map(|_| root)),
+            }
+        }
+        Ok(None)
     }
 
     fn collect(&mut self, state: &mut State, goal: &Position) -> Result<(), PairsFull> {

@@ -32,6 +32,7 @@ use crate::state::islands::GiveWay;
 use crate::state::purse::Purse;
 use glam::Vec3;
 use line::Line;
+use sweep::Swept;
 
 /// A stretch of an island's frame: shares of the frame, and its length in seconds.
 #[derive(Clone, Copy, Debug)]
@@ -181,7 +182,7 @@ impl Island {
         let full = line::full_events(state, self.stretch.island as usize);
         for event in 0..EVENTS_MAX {
             let from = self.stretch.from;
-            let Some(blocked) = self.advance(state, purse, report) else {
+            let Some(swept) = self.advance(state, purse, report) else {
                 return from;
             };
             let time = self.stretch.from;
@@ -190,12 +191,14 @@ impl Island {
             }
             stalls = if time - from <= 1e-4 { stalls + 1 } else { 0 };
             if stalls > STALLS_MAX {
-                movers::stop_blocked(state, blocked.unwrap_or_default(), time);
+                if let Some(blocked) = swept.blocked {
+                    movers::stop_blocked(state, blocked, time);
+                }
                 stalls = 0;
             }
             self.stretch.to = next_break(state, self.stretch.island as usize, time);
             if event >= full {
-                self.go_on(state, blocked, time);
+                self.go_on(state, swept.blocked, time);
                 continue;
             }
             touch::forget(state, &self.stretch);
@@ -245,20 +248,22 @@ impl Island {
         true
     }
 
-    /// Moves everybody as far as all stay clear; the pair that ended it, if one did, `None` when nobody could
-    /// move.
+    /// Moves everybody as far as all stay clear; how far that was, and the pair that ended it if one did. `None`
+    /// when nobody could move.
     fn advance(
         &mut self,
         state: &mut State,
         purse: &mut Purse,
         report: &mut FrameReport,
-    ) -> Option<Option<usize>> {
+    ) -> Option<Swept> {
         self.pairs?;
         let stretch = self.stretch;
         self.update(state, purse, report);
         let mut swept = sweep::run(state, self.pairs?, &stretch, purse);
         let holds_for = respond::holds_for(state, self.rows, &stretch);
-        let blocked = (swept.reached < 1.0 && swept.reached <= holds_for).then_some(swept.blocked);
+        if swept.reached >= 1.0 || swept.reached > holds_for {
+            swept.blocked = None;
+        }
         swept.reached = math::min(swept.reached, holds_for);
         touch::note_forces(state, self.rows, &stretch, swept.reached);
         movers::advance(state, &stretch, swept.reached);
@@ -267,7 +272,7 @@ impl Island {
         } else {
             stretch.from + (stretch.to - stretch.from) * swept.reached
         };
-        Some(blocked)
+        Some(swept)
     }
 }
 

@@ -64,7 +64,7 @@
 //! * Same input, same bits, on every processor and at every optimisation level.
 //! * No allocation, no unsafe code, no global state: the block is the world, and a copy of it is a
 //!   snapshot.
-//! * Bad input gets a named error or a documented clamp, and the last good state stays.
+//! * Bad input gets a named error or a documented clamp, and the last good state stays: [`faults`] is the table.
 //!
 //! Not promised: overlap that the host itself makes is reported and undone, not prevented. A driven body
 //! that a loose object stops in the middle of a frame may be met by another driven body that moved beside
@@ -94,6 +94,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod faults;
 pub mod geometry;
 pub mod human;
 pub mod limits;

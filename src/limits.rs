@@ -105,6 +105,10 @@ pub const SPIN_MAX: f32 = 3e3;
 /// The largest coordinate of a host's force, torque or impulse, in N, N m or N s.
 pub const FORCE_MAX: f32 = 1e9;
 
+/// The largest coefficient of friction. What sticks at that sticks; its products with impulses stay far
+/// within f32.
+pub const FRICTION_MAX: f32 = 1e6;
+
 /// Coordinates of a displacement smaller than this are no displacement, in metres or radians.
 pub const DISPLACEMENT_MIN: f32 = 1e-5;
 
@@ -208,6 +212,10 @@ const _: () = assert!(GAP_REST_M < LOOSE_REST_M && LOOSE_REST_M < LOOSE_MARGIN_M
 
 /// Most plans of one driven body's way through one frame; those that gain nothing add no leg.
 pub const ROUNDS_MAX: u32 = 2 * LEGS_MAX as u32;
+
+/// Most places where a driven body is tried that gets out of overlap which the host made. Each but the last
+/// was among pieces that it was not near before.
+pub const WAY_OUT_ROUNDS_MAX: u32 = 3;
 
 /// Most translations that a question about two bodies tries. Each but the last was found to bring in
 /// pairs of pieces that were not in the way before.

@@ -34,7 +34,7 @@ fn publish_driven(state: &mut State, body: usize) {
     let start = state.bodies.pose[body];
     let stop = state.legs.stop_time[body];
     let reached = driven_at(state.legs.of(body), &start, stop);
-    let moved = state.legs.count[body] > 0 && stop > 0.0;
+    let moved = state.legs.count[body] > 0 && stop > 0.0 && !stops_in_leap(state, body);
     if moved {
         state.bodies.pose[body] = reached.root;
         move_locals(state, body, reached.local);
@@ -45,6 +45,14 @@ fn publish_driven(state: &mut State, body: usize) {
     }
     settle(state, body, moved);
     settle_chains(state, body);
+}
+
+/// Whether a loose object stopped a body on its way out of overlap, which only its end is known to be clear
+/// of: the body stays where it was.
+fn stops_in_leap(state: &State, body: usize) -> bool {
+    let leaps = state.bodies.report[body].flags & DrivenReport::OVERLAPS != 0;
+    let first = state.legs.of(body).first();
+    leaps && first.is_some_and(|leg| state.legs.stop_time[body] < leg.end_time)
 }
 
 /// Moves the published local poses by a share of their way to the targets.

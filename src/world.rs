@@ -20,7 +20,7 @@ pub use query::BodyPenetration;
 use glam::Vec3;
 
 use crate::frame::{self, Census, Clock, CostTable, FrameInput, FrameReport};
-use crate::limits::SPEED_MAX;
+use crate::limits::{FRICTION_MAX, SPEED_MAX};
 use crate::memory::header::{self, Header};
 use crate::memory::{AttachError, BlockHead, Capacities, CreateError};
 use crate::recording::{CallKind, Sink, calls};
@@ -48,7 +48,7 @@ pub enum MaterialError {
     Full,
     /// The world has no such material.
     Unknown,
-    /// Restitution is outside 0 to 1, or friction is negative, or one is not finite.
+    /// Restitution is outside 0 to 1, or friction outside 0 to [`FRICTION_MAX`], or one is not a number.
     BadSurface,
 }
 
@@ -177,7 +177,7 @@ impl<'a> World<'a> {
             return Err(MaterialError::Unknown);
         }
         let restitution = (0.0..=1.0).contains(&surface.restitution);
-        let friction = surface.friction >= 0.0 && surface.friction.is_finite();
+        let friction = (0.0..=FRICTION_MAX).contains(&surface.friction);
         if !restitution || !friction {
             return Err(MaterialError::BadSurface);
         }

@@ -1,15 +1,15 @@
-//! The invariants that the fuzz target checks, over seeded bytes, and what the target found.
+//! The checks of separations that the fuzz target makes, over seeded bytes, and what the target found.
 
-#[path = "common/invariants.rs"]
-mod invariants;
+#[path = "common/separations.rs"]
+mod separations;
 #[path = "common/shapes.rs"]
 mod shapes;
 
 use glam::{DVec3, Quat, Vec3};
-use invariants::{CHECKS, Checker, Draw, Outcome};
 use palpable::geometry::penetration::core_penetration;
 use palpable::geometry::separation::{Separation, separation};
 use palpable::math::Pose;
+use separations::{CHECKS, Checker, Draw, Outcome};
 use shapes::{Hull, Random, cuboid, reference};
 
 /// Words from bytes, little-endian, and zeros after their end: as the fuzz target reads its input.

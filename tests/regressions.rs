@@ -7,10 +7,11 @@ mod loose;
 use common::{Block, add_box, add_piece};
 use loose::{ball, floor, lowest_corner, position, surface};
 use palpable::frame::{FrameInput, FrameReport};
-use palpable::limits::LOOSE_REST_M;
+use palpable::limits::{FRICTION_MAX, LOOSE_REST_M, OVERLAP_SLOP_M};
 use palpable::math::Pose;
 use palpable::memory::{BodyId, Capacities};
 use palpable::state::bodies::{BodyKind, Coupling};
+use palpable::state::materials::{Material, Surface};
 use palpable::world::{BodyDef, PieceDef, Shape, World};
 
 const FRAME_S: f32 = 1.0 / 60.0;
@@ -322,4 +323,129 @@ fn an_arm_that_cannot_turn_on_its_way_meets_what_only_the_unturned_one_can() {
     let top = far.max(f64::from(pose.position[1])) + 0.01;
     assert!(top < 2.0 + 1e-4, "the ceiling is at 2, the finger at {top}");
     assert!(top > 0.6, "the finger did not move");
+}
+
+#[test]
+fn what_lost_its_last_piece_while_it_turned_has_a_velocity() {
+    let mut block = Block::new(&SMALL);
+    let mut world = World::create(block.bytes(), &SMALL).unwrap();
+    let def = BodyDef::new(BodyKind::Dynamic, Pose::IDENTITY);
+    let body = world.add_body(&def).unwrap();
+    let piece = add_piece(&mut world, body, &PieceDef::new(Shape::Box([0.05; 3]), 0.0));
+    world.set_velocity(body, [1.0; 3], [1.0; 3]).unwrap();
+    world.remove_piece(piece).unwrap();
+    for _ in 0..3 {
+        let (linear, angular) = world.velocity(body).unwrap();
+        assert!(linear.iter().chain(&angular).all(|part| part.is_finite()));
+        // What has no mass has nothing that an impulse could turn.
+        world
+            .apply_impulse(body, [1.0; 3], [1.0, 0.0, 0.0])
+            .unwrap();
+        world.step(&FrameInput::unlimited(FRAME_S));
+    }
+}
+
+#[test]
+fn the_way_out_of_overlap_does_not_end_in_something_farther_away() {
+    let mut block = Block::new(&SMALL);
+    let mut world = World::create(block.bytes(), &SMALL).unwrap();
+    let hand = add_box(&mut world, BodyKind::Driven, Pose::IDENTITY, [0.05; 3]);
+    world.set_target(hand, &Pose::IDENTITY).unwrap();
+    world.step(&FrameInput::unlimited(FRAME_S));
+    // The shortest way out of the first is up, 0.45 m, into the second, which is not near at first.
+    let cover = Pose::at(0.0, -0.1, 0.0);
+    add_box(&mut world, BodyKind::Fixed, cover, [2.0, 0.5, 2.0]);
+    let lid = add_box(
+        &mut world,
+        BodyKind::Fixed,
+        Pose::at(0.0, 0.7, 0.0),
+        [3.0, 0.28, 3.0],
+    );
+    for frame in 0..20 {
+        world.set_target(hand, &Pose::IDENTITY).unwrap();
+        world.step(&FrameInput::unlimited(FRAME_S));
+        let found = world.penetration(hand, lid).unwrap();
+        assert!(found.depth_m <= OVERLAP_SLOP_M, "frame {frame}: {found:?}");
+    }
+}
+
+#[test]
+fn overlap_is_told_of_after_a_frame_that_could_not_look() {
+    let mut block = Block::new(&SMALL);
+    let mut world = World::create(block.bytes(), &SMALL).unwrap();
+    let hand = add_box(&mut world, BodyKind::Driven, Pose::IDENTITY, [0.05; 3]);
+    let step = |world: &mut World, units: u32| {
+        world.set_target(hand, &Pose::IDENTITY).unwrap();
+        let mut input = FrameInput::unlimited(FRAME_S);
+        input.budget.advance_units = units;
+        world.step(&input).flags
+    };
+    step(&mut world, u32::MAX);
+    add_box(
+        &mut world,
+        BodyKind::Fixed,
+        Pose::at(0.05, 0.0, 0.0),
+        [0.05; 3],
+    );
+    assert_ne!(step(&mut world, 0) & FrameReport::ADVANCE_CUT, 0);
+    assert_ne!(step(&mut world, u32::MAX) & FrameReport::OVERLAP, 0);
+}
+
+#[test]
+fn a_slot_that_was_a_loose_body_and_is_a_fixed_one_forgets_how_it_moved() {
+    // Two worlds with the same state: in one, the floor's slot was a fast body's before.
+    let drop = |used: bool| {
+        let mut block = Block::new(&SMALL);
+        let mut world = World::create(block.bytes(), &SMALL).unwrap();
+        let first = add_box(
+            &mut world,
+            BodyKind::Dynamic,
+            Pose::at(0.0, -2.0, 0.0),
+            [0.05; 3],
+        );
+        let slider = add_box(
+            &mut world,
+            BodyKind::Dynamic,
+            Pose::at(0.0, 0.1, 0.0),
+            [0.1, 0.05, 0.1],
+        );
+        if used {
+            let mut bytes = vec![0; world.snapshot_bytes()];
+            world.save(&mut bytes).unwrap();
+            world
+                .set_velocity(first, [3.0, 2.0, 1.0], [0.0; 3])
+                .unwrap();
+            world.step(&FrameInput::unlimited(FRAME_S));
+            world.load(&bytes).unwrap();
+        }
+        world.remove_body(first).unwrap();
+        floor(&mut world);
+        world
+            .set_velocity(slider, [2.0, -1.0, 0.3], [0.0, 3.0, 0.0])
+            .unwrap();
+        for _ in 0..60 {
+            world.step(&FrameInput::unlimited(FRAME_S));
+        }
+        world.hash()
+    };
+    assert_eq!(drop(true), drop(false));
+}
+
+#[test]
+fn friction_beyond_what_f32_can_multiply_is_refused() {
+    let mut block = Block::new(&SMALL);
+    let mut world = World::create(block.bytes(), &SMALL).unwrap();
+    for (friction, taken) in [
+        (0.0, true),
+        (FRICTION_MAX, true),
+        (1e30, false),
+        (f32::MAX, false),
+    ] {
+        let surface = Surface {
+            restitution: 0.3,
+            friction,
+        };
+        let done = world.set_surface(Material::WOOD, Material::WOOD, surface);
+        assert_eq!(done.is_ok(), taken, "{friction}");
+    }
 }

@@ -1586,7 +1586,7 @@ typedef struct palp_replayed {
 #define PALP_UNKNOWN_MATERIAL -23
 
 /**
- * The restitution is outside 0 to 1, or the friction negative, or one is not finite.
+ * The restitution is outside 0 to 1, or the friction outside 0 to 1e6.
  */
 #define PALP_BAD_SURFACE -24
 
@@ -1828,7 +1828,7 @@ palp_status palp_material_add(struct palp_world *world, uint32_t *material);
 
 /**
  * Sets how two materials meet, in either order: restitution is speed after an impact over speed
- * before, 0 to 1; friction is Coulomb's coefficient, 0 or more.
+ * before, 0 to 1; friction is Coulomb's coefficient, 0 to 1e6.
  */
 palp_status palp_surface_set(struct palp_world *world,
                              uint32_t material_a,

@@ -38,7 +38,7 @@ pub unsafe extern "C" fn palp_material_add(
 }
 
 /// Sets how two materials meet, in either order: restitution is speed after an impact over speed
-/// before, 0 to 1; friction is Coulomb's coefficient, 0 or more.
+/// before, 0 to 1; friction is Coulomb's coefficient, 0 to 1e6.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palp_surface_set(
     world: *mut palp_world,

@@ -94,7 +94,7 @@ pub const PALP_TOO_MANY_POINTS: palp_status = -21;
 pub const PALP_DEGENERATE: palp_status = -22;
 /// The world has no such material.
 pub const PALP_UNKNOWN_MATERIAL: palp_status = -23;
-/// The restitution is outside 0 to 1, or the friction negative, or one is not finite.
+/// The restitution is outside 0 to 1, or the friction outside 0 to 1e6.
 pub const PALP_BAD_SURFACE: palp_status = -24;
 /// The time step is not a positive number: nothing moved.
 pub const PALP_BAD_TIME_STEP: palp_status = -25;

@@ -9,10 +9,11 @@ pub mod figures;
 pub mod gallery;
 pub mod hand;
 pub mod hand_scene;
-pub mod memory;
-pub mod reference;
 pub mod replay;
 pub mod report;
 pub mod run;
 pub mod script;
+pub mod simulate;
 pub mod slaps;
+
+pub use palpable_simulation::{memory, reference};

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::{Parser, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -19,6 +20,7 @@ use palpable_lab::replay::{self, LogFile};
 use palpable_lab::report::{self, ArmSlaps, Ball, FigureScene, HandCoverage, Machine, Report};
 use palpable_lab::run::{RunPlan, run_into};
 use palpable_lab::script::FRAMES;
+use palpable_lab::simulate::{self, SimulatePlan};
 use palpable_lab::slaps;
 
 /// Distance of the samples that the hand's parts are measured with, in metres.
@@ -94,6 +96,24 @@ enum Command {
         /// Where deadline.json and the figure go.
         #[arg(long, default_value = "out")]
         out: PathBuf,
+    },
+    /// Plays random hosts in random scenes and judges every frame; fails when something does not hold.
+    Simulate {
+        /// Seed of the first scene; each has the next one.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Scenes, or as many as the time allows; 1000 when neither is told.
+        #[arg(long)]
+        scenes: Option<u64>,
+        /// Frames a scene.
+        #[arg(long, default_value_t = 300)]
+        frames: u32,
+        /// Seconds in which scenes are begun.
+        #[arg(long)]
+        seconds: Option<u64>,
+        /// Whether to go on with the next scene after a finding.
+        #[arg(long)]
+        go_on: bool,
     },
     /// Plays a BVH file of motion capture with the avatar, on a floor.
     Bvh {
@@ -228,6 +248,19 @@ fn main() -> ExitCode {
         Some(Command::Calibrate { frames, out }) => calibrated(*frames, out).map(drop),
         Some(Command::Deadline { frames, costs, out }) => deadlines(*frames, costs.as_deref(), out),
         Some(Command::Replay { file }) => replayed(file),
+        Some(Command::Simulate {
+            seed,
+            scenes,
+            frames,
+            seconds,
+            go_on,
+        }) => simulated(&SimulatePlan {
+            seed: *seed,
+            scenes: scenes.unwrap_or(if seconds.is_some() { u64::MAX } else { 1000 }),
+            frames: *frames,
+            time: seconds.map(Duration::from_secs),
+            goes_on: *go_on,
+        }),
         Some(Command::Bvh {
             file,
             style,
@@ -324,6 +357,26 @@ fn compared(
     compare::write(&found, out)?;
     println!("wrote {}", out.join("compare-times.svg").display());
     Ok(())
+}
+
+fn simulated(plan: &SimulatePlan) -> Result<(), Box<dyn std::error::Error>> {
+    let bar = ProgressBar::no_length().with_style(ProgressStyle::with_template(
+        "{pos} frames, {per_sec}, {elapsed}",
+    )?);
+    let found = simulate::run(
+        plan,
+        |seed, finding| {
+            let again = simulate::replay_command(seed, finding);
+            bar.suspend(|| println!("seed {seed}, {finding}\n  {again}"));
+        },
+        |tally| bar.set_position(tally.frames),
+    );
+    bar.finish_and_clear();
+    println!("{}", simulate::tables(&found));
+    match found.findings.len() {
+        0 => Ok(()),
+        count => Err(format!("{count} scenes broke something").into()),
+    }
 }
 
 fn lab(args: &Args) -> Result<(), Box<dyn std::error::Error>> {

@@ -8,6 +8,7 @@ use crate::state::State;
 use crate::state::bodies::{BodyKind, is_body_of, is_loose};
 use crate::state::islands::Members;
 use crate::state::pieces::{Bounds, PiecesOf};
+use crate::state::rows::Mover;
 
 /// No island.
 pub(super) const NONE: u32 = u32::MAX;
@@ -20,6 +21,10 @@ pub(super) fn find(state: &mut State, dt_s: f32) -> bool {
     for body in 0..slots {
         state.islands.label[body] = NONE;
         state.islands.next[body] = 0;
+        // What impulses do not move or what sleeps is in no island, and its columns are read all the same.
+        state.rows.movers[body] = Mover::default();
+        state.rows.begun[body] = Mover::default();
+        state.rows.even[body] = 0;
         if is_loose(state, body) {
             state.legs.stop_time[body] = 1.0;
             state.islands.near[body] = near_loose(state, body, dt_s);

@@ -161,7 +161,18 @@ fn attempt(
         impulses += merge(state, rows, stretch);
         note_working(state, rows);
     }
+    keep_finite(state, rows);
     Answer { impulses, wedged }
+}
+
+/// Leaves out the impulses of rows whose masses, speeds and arms made numbers that f32 does not hold.
+fn keep_finite(state: &mut State, rows: usize) {
+    for row in &mut state.rows.rows[..rows] {
+        if !row.impulse.is_finite() || !row.struck.is_finite() {
+            row.impulse = Vec3::ZERO;
+            row.struck = Vec3::ZERO;
+        }
+    }
 }
 
 /// Has driven bodies give way, or stop; false when all that push have. What stands still leaves every
@@ -594,7 +605,8 @@ fn give_way(state: &mut State, rows: usize, stretch: &Stretch) {
         if !gives(state, body as u32, stretch) {
             continue;
         }
-        let change = state.rows.movers[body].velocity;
+        let change = Some(state.rows.movers[body].velocity).filter(|change| change.is_finite());
+        let change = change.unwrap_or_default();
         state.rows.movers[body] = Mover::default();
         state.rows.begun[body] = Mover::default();
         let holds = state.islands.gives[body].holds;

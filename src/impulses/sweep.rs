@@ -253,7 +253,8 @@ pub(super) fn measure(
 /// How far a sweep came, as a share of the stretch, and the pair that ended it.
 pub(super) struct Swept {
     pub reached: f32,
-    pub blocked: usize,
+    /// Nothing when there is no pair at all.
+    pub blocked: Option<usize>,
 }
 
 /// Advances all pairs; how long everybody stays clear.
@@ -261,7 +262,7 @@ pub(super) fn run(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mu
     if !purse.take_parts(contacts::scan_parts(pairs)) {
         return Swept {
             reached: 0.0,
-            blocked: 0,
+            blocked: None,
         };
     }
     start(state, pairs, stretch, purse);
@@ -269,7 +270,7 @@ pub(super) fn run(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mu
         let Some(next) = contacts::least_certified(&state.islands.pairs[..pairs]) else {
             return Swept {
                 reached: 1.0,
-                blocked: 0,
+                blocked: None,
             };
         };
         let time = state.islands.pairs[next].clear_until;
@@ -279,7 +280,7 @@ pub(super) fn run(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mu
         if over {
             return Swept {
                 reached: math::min(time, 1.0),
-                blocked: next,
+                blocked: Some(next),
             };
         }
     }

@@ -126,7 +126,7 @@ pub(super) fn note_impacts(state: &mut State, rows: usize) {
 
 /// Books how a contact is and how fast it approached before an event's impacts, in m/s.
 pub(super) fn note_approach(state: &mut State, row: &Row, velocity: Vec3) {
-    let Some(index) = row.touch.checked_sub(1) else {
+    let Some(index) = row.touch.checked_sub(1).filter(|_| velocity.is_finite()) else {
         return;
     };
     let approach = -velocity.dot(row.normal);

@@ -117,7 +117,8 @@ impl BodyMass {
     /// The angular velocity that goes with an angular momentum, both in the world, of a body turned by
     /// `rotation`.
     pub(crate) fn spin(&self, rotation: DQuat, angular: DVec3) -> DVec3 {
-        if angular == DVec3::ZERO {
+        // What weighs nothing has no axes either: impulses may have left it angular momentum.
+        if angular == DVec3::ZERO || self.inverse_moments == Vec3::ZERO {
             return DVec3::ZERO;
         }
         let axes = rotation * Quat::from_array(self.axes).as_dquat();

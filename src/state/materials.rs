@@ -27,7 +27,7 @@ pub const BUILT_IN_MATERIALS: u32 = 3;
 pub struct Surface {
     /// Speed after an impact over speed before, 0 to 1.
     pub restitution: f32,
-    /// Coulomb's coefficient, 0 and up.
+    /// Coulomb's coefficient, 0 to [`crate::limits::FRICTION_MAX`].
     pub friction: f32,
 }
 

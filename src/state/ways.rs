@@ -1,11 +1,12 @@
 //! Ways: how bodies go through a frame, leg by leg.
 
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 
 use crate::geometry::linkage::LinkPath;
 use crate::geometry::motion::{Motion, Track, interpolate};
-use crate::limits::LEGS_MAX;
-use crate::math::Pose;
+use crate::limits::{LEGS_MAX, WORLD_REACH_M};
+use crate::math::{self, Pose};
 use crate::memory::columns::columns;
 use crate::state::State;
 use crate::state::bodies::BodyKind;
@@ -129,6 +130,12 @@ impl BodyTrack {
             ..*self
         }
     }
+}
+
+/// The place in the world that is nearest to one.
+pub(crate) fn in_world(place: Vec3) -> Vec3 {
+    let edge = Vec3::splat(WORLD_REACH_M);
+    math::max_each(math::min_each(place, edge), -edge)
 }
 
 /// Where the piece is that a driven piece meets, if it does not move: a fixed one, or one of another

@@ -6,13 +6,13 @@
 //! toolchain too.
 #![no_main]
 
-#[path = "../../common/invariants.rs"]
-mod invariants;
+#[path = "../../common/separations.rs"]
+mod separations;
 
 use std::cell::RefCell;
 
 use arbitrary::Unstructured;
-use invariants::{Checker, Draw};
+use separations::{Checker, Draw};
 use libfuzzer_sys::fuzz_target;
 
 struct Drawn<'b>(Unstructured<'b>);

@@ -246,6 +246,15 @@ impl<'a> Placed<'a> {
         Self::new(solid, pose.rotation, pose.position)
     }
 
+    /// Puts `solid` at a pose whose rotation is known to be one.
+    pub(crate) fn turned(solid: &'a Solid, rotation: DMat3, position: DVec3) -> Self {
+        Self {
+            solid,
+            rotation,
+            position,
+        }
+    }
+
     /// The same, moved by `translation` in metres.
     pub fn moved(self, translation: DVec3) -> Self {
         Self {
