@@ -1,7 +1,7 @@
 //! A random host: it tracks, and calls whatever a host may call, in any order, sound or not.
 
 use glam::{Quat, Vec3};
-use palpable::frame::{Budget, FrameInput};
+use palpable::frame::{Budget, CostTable, Deadline, FrameInput};
 use palpable::math::Pose;
 use palpable::memory::{BodyId, ChainId, PieceId};
 use palpable::state::bodies::{BodyKind, Coupling};
@@ -591,8 +591,42 @@ impl Host {
         };
         let mut input = FrameInput::unlimited(dt_s);
         input.budget = budget(draw, self.style.budget);
+        if self.style.budget > 0 && draw.below(4) == 0 {
+            input.deadline = Some(deadline(draw));
+        }
+        if draw.below(8) == 0 {
+            input.focus = Some(draw.vector().to_array());
+        }
+        if draw.below(256) == 0 {
+            input.focus = Some([draw.bad_number(); 3]);
+        }
         input
     }
+}
+
+/// Any time at any prices.
+fn deadline(draw: &mut impl Draw) -> Deadline {
+    let mut price = |most| match draw.below(8) {
+        0 => 0,
+        1 => u32::MAX,
+        _ => draw.below(most),
+    };
+    let costs = CostTable {
+        frame_ns: price(5_000),
+        body_ns: price(100),
+        piece_ns: price(50),
+        chain_ns: price(500),
+        boxes_ns: price(500),
+        advance_unit_ns: price(3_000),
+        impulse_unit_ns: price(3_000),
+        reach_step_ns: price(9_000),
+    };
+    let time_ns = match draw.below(8) {
+        0 => 0,
+        1 => u64::MAX,
+        _ => u64::from(draw.below(100_000)),
+    };
+    Deadline { time_ns, costs }
 }
 
 /// Once in so many calls a joint is bad.

@@ -210,7 +210,26 @@ impl Checker {
             && report.impulse_units <= budget.impulse_units
             && report.reach_steps <= budget.reach_steps;
         hold(within, "more was spent than the budget", (budget, report))?;
-        hold(report.flags >> 8 == 0, "a flag is not known", report)?;
+        hold(report.flags >> 12 == 0, "a flag is not known", report)?;
+        let below = report.flags & FrameReport::BELOW_FLOOR != 0;
+        let paid = input.deadline.is_none_or(|deadline| {
+            report.priced_ns <= deadline.time_ns || (below && report.priced_ns == report.floor_ns)
+        });
+        // What costs nothing is spent even so.
+        let free = input.deadline.is_some_and(|deadline| {
+            let costs = deadline.costs;
+            [
+                costs.advance_unit_ns,
+                costs.impulse_unit_ns,
+                costs.reach_step_ns,
+            ]
+            .contains(&0)
+        });
+        hold(
+            paid || free,
+            "a frame cost more than its deadline",
+            (input, report),
+        )?;
         let counts = report.contacts as usize == world.contacts().len()
             && report.events as usize == world.contact_events().len();
         let stepped = report.flags & FrameReport::BAD_TIME_STEP == 0;

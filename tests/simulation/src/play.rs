@@ -1,8 +1,9 @@
 //! Playing a random scene: the host acts, the world steps, and every frame is judged.
 
+use std::cell::Cell;
 use std::fmt;
 
-use palpable::frame::{Budget, FrameInput, FrameReport};
+use palpable::frame::{FrameInput, FrameReport};
 use palpable::memory::Capacities;
 use palpable::world::World;
 
@@ -141,7 +142,11 @@ impl Game {
             saved.map_err(|error| Broken::new("a snapshot was not taken", error))?;
         }
         let before = (!is_step(&input)).then(|| world.hash());
-        let report = world.step(&input);
+        let ends = (draw.below(8) == 0).then(|| u64::from(draw.below(60)));
+        let report = match ends {
+            Some(ends) => step_by_ticks(world, &input, ends),
+            None => world.step(&input),
+        };
         if before.is_some_and(|before| before != world.hash()) {
             return Err(Broken::new("a time step of none changed the world", input));
         }
@@ -151,7 +156,7 @@ impl Game {
             .after(world, &self.host.cast, &input, &report)?;
         if replays {
             tally.replayed += 1;
-            replay(other, &self.buffer, &input, world, &report)?;
+            replay(other, &self.buffer, (&input, ends), world, &report)?;
         }
         Ok(())
     }
@@ -161,35 +166,48 @@ fn is_step(input: &FrameInput) -> bool {
     input.dt_s > 0.0 && input.dt_s.is_finite()
 }
 
+/// A frame with a clock that ticks whenever it is asked.
+fn step_by_ticks(world: &mut World, input: &FrameInput, ends: u64) -> FrameReport {
+    let ticks = Cell::new(0);
+    let clock = || {
+        ticks.set(ticks.get() + 1);
+        ticks.get()
+    };
+    world.step_by_clock(input, &clock, ends)
+}
+
 /// A frame from a snapshot gives the same bits in another block, and so it does with what was spent as its
-/// budget.
+/// budget, without a deadline or a clock.
 fn replay(
     other: &mut World,
     snapshot: &[u8],
-    input: &FrameInput,
+    (input, ends): (&FrameInput, Option<u64>),
     world: &World,
     report: &FrameReport,
 ) -> Result<(), Broken> {
-    let mut spent = *input;
-    spent.budget = Budget {
-        advance_units: report.advance_units,
-        impulse_units: report.impulse_units,
-        reach_steps: report.reach_steps,
+    let loaded = other.load(snapshot);
+    loaded.map_err(|error| Broken::new("a snapshot was not loaded", error))?;
+    let again = match ends {
+        Some(ends) => step_by_ticks(other, input, ends),
+        None => other.step(input),
     };
-    let chains_spent = report.reach_steps > 0;
-    for (input, what) in [
-        (input, "a frame from a snapshot differs"),
-        (&spent, "a frame with what was spent as its budget differs"),
-    ] {
-        let loaded = other.load(snapshot);
-        loaded.map_err(|error| Broken::new("a snapshot was not loaded", error))?;
-        let again = other.step(input);
-        // A chain's solver looks at the steps that are left: less of them is another question.
-        let same = again == *report && other.hash() == world.hash();
-        let excused = chains_spent && *input == spent;
-        if !same && !excused {
-            return Err(Broken::new(what, (input, report, again)));
-        }
+    if again != *report || other.hash() != world.hash() {
+        return Err(Broken::new(
+            "a frame from a snapshot differs",
+            (input, report, again),
+        ));
+    }
+    let spent = FrameInput {
+        budget: report.spent(),
+        deadline: None,
+        ..*input
+    };
+    let loaded = other.load(snapshot);
+    loaded.map_err(|error| Broken::new("a snapshot was not loaded", error))?;
+    let again = other.step(&spent);
+    if again.spent() != report.spent() || other.hash() != world.hash() {
+        let what = "a frame with what was spent as its budget differs";
+        return Err(Broken::new(what, (input, report, again)));
     }
     Ok(())
 }
