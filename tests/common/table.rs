@@ -113,16 +113,3 @@ pub fn table() -> String {
     }
     text
 }
-
-/// Whether a budget of a scene cuts it: the last frame's hash is not that of an unlimited one.
-#[must_use]
-pub fn is_cut(text: &str, name: &str, budget: &str) -> bool {
-    let hash = |budget: &str| {
-        let starts = format!("{name:<22} {budget:<9} {:5} ", 120);
-        let found = text.lines().find(|line| line.starts_with(&starts));
-        found
-            .map(|line| line[line.len() - 16..].to_owned())
-            .unwrap()
-    };
-    hash(budget) != hash("unlimited")
-}
