@@ -13,6 +13,7 @@ pub use report::FrameReport;
 use glam::Vec3;
 
 use crate::limits::{FRAME_S_MAX, FRAME_S_MIN, LOOSE_SHARE};
+use crate::math;
 use crate::state::State;
 use crate::state::purse::Account;
 use crate::{couple, driven, events, impulses, publish};
@@ -59,6 +60,9 @@ pub(crate) fn step(state: &mut State, input: &FrameInput, clock: Option<Clock>) 
         report.frame = state.registers.frame;
         return report;
     };
+    if math::flushes_to_zero() {
+        report.set(FrameReport::FLUSHES_TO_ZERO);
+    }
     let account = open_account(state, input.deadline.as_ref(), clock, &mut report);
     let spending = Spending {
         budget: input.budget,
@@ -133,7 +137,7 @@ fn time_step(dt_s: f32, report: &mut FrameReport) -> Option<f32> {
         report.set(FrameReport::BAD_TIME_STEP);
         return None;
     }
-    let used = crate::math::clamp(dt_s, FRAME_S_MIN, FRAME_S_MAX);
+    let used = math::clamp(dt_s, FRAME_S_MIN, FRAME_S_MAX);
     if used != dt_s {
         report.set(FrameReport::TIME_STEP_CLAMPED);
     }

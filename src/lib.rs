@@ -61,7 +61,8 @@
 //! * Joints keep their ranges and balls their reach cones, wherever a frame is cut.
 //! * Free motion has no lag: with nothing in the way the published pose equals the target to the bit.
 //! * Rest is rest: with a still tracker, poses stop changing by a single bit.
-//! * Same input, same bits, on every processor and at every optimisation level.
+//! * Same input, same bits, on every processor and at every optimisation level; in a thread that puts small
+//!   numbers to zero the report says so ([`frame::FrameReport::FLUSHES_TO_ZERO`]), and bits may differ.
 //! * No allocation, no unsafe code, no global state: the block is the world, and a copy of it is a
 //!   snapshot.
 //! * Bad input gets a named error or a documented clamp, and the last good state stays: [`faults`] is the table.

@@ -3,11 +3,26 @@
 //! Everything here gives the same bits on every processor: `libm` instead of the platform's
 //! library, no fused multiply-add, comparisons written out where the sign of zero could matter.
 
+use core::hint::black_box;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Quat, Vec3};
 
 /// Width of a lane: how many vertices one vector operation handles.
 pub const LANE_WIDTH: usize = 8;
+
+/// Whether the calling thread has its processor put numbers below [`f32::MIN_POSITIVE`] to zero: as results,
+/// as operands, or both. Audio engines switch that on.
+#[must_use]
+pub fn flushes_to_zero() -> bool {
+    // What the compiler knows it computes itself, and it keeps such numbers.
+    let smallest = black_box(f32::MIN_POSITIVE);
+    let below = black_box(f32::from_bits(f32::MIN_POSITIVE.to_bits() / 2));
+    let result = black_box(smallest * 0.5);
+    let of_operand = black_box(below * 4.0);
+    // Bits, because a comparison would put the number itself to zero.
+    result.to_bits() == 0 || of_operand.to_bits() == 0
+}
 
 /// Square root, correctly rounded.
 #[inline]

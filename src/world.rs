@@ -250,6 +250,10 @@ impl<'a> World<'a> {
 
     /// A hash of the whole state but for the count of frames: equal for equal histories, on every
     /// processor, and constant while everything rests.
+    ///
+    /// The order of calls does not show while it leads to the same ids. What was removed does: the pools keep
+    /// the order in which shapes came, slots keep what they held, and marks keep the most that was in use.
+    /// None of that changes what is published.
     #[must_use]
     pub fn hash(&self) -> u64 {
         self.state.hash()

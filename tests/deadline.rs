@@ -392,3 +392,41 @@ fn a_clock_that_is_over_publishes_the_last_safe_poses() {
         assert!(moved < 0.05, "{name}: moved by {moved} m");
     }
 }
+
+#[test]
+fn nobody_moves_twice_in_a_frame() {
+    let block = Box::leak(Box::new(Block::new(&Capacities::ROOM)));
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    floor(&mut world);
+    // One that touches, so that its frames are cut, and one that flies away from what is looked at.
+    let rolling = ball(&mut world, BodyKind::Dynamic, [0.0, 0.0501, 0.0], 0.05);
+    let flying = ball(&mut world, BodyKind::Dynamic, [0.0, 9.0, 0.0], 0.05);
+    let speed = [1.0, 0.0, 0.0];
+    world
+        .set_velocity(rolling, speed, [0.0, 0.0, -20.0])
+        .unwrap();
+    world.set_velocity(flying, speed, [0.0; 3]).unwrap();
+    let mut cut = 0;
+    for frame in 0..120 {
+        let before = [rolling, flying].map(|body| position(&world, body)[0]);
+        // Frames that are cut and frames that are not: who waited does not wait any more.
+        let costs = CostTable {
+            impulse_unit_ns: 1000,
+            ..CostTable::default()
+        };
+        let time_ns = [2_000, 60_000, 60_000][frame % 3];
+        let report = world.step(&FrameInput {
+            focus: Some([-1.0, 0.0, 0.0]),
+            ..FrameInput::within(FRAME_S, Deadline { time_ns, costs })
+        });
+        cut += report.loose_cut;
+        for (body, before) in [rolling, flying].into_iter().zip(before) {
+            let way = position(&world, body)[0] - before;
+            let most = 1.001 * f64::from(FRAME_S);
+            assert!(way < most, "frame {frame}: moved by {way} m");
+        }
+    }
+    assert!(cut > 20, "{cut} bodies were cut");
+    let flown = position(&world, flying)[0];
+    assert!(flown > 0.5, "flew by {flown} m");
+}

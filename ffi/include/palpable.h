@@ -275,6 +275,12 @@
 #define PALP_FRAME_BELOW_FLOOR 1024
 
 /**
+ * The calling thread puts numbers below 1.2e-38 to zero, and the library cannot switch that off on this
+ * processor: bits may not be those of other machines. Never set on x86-64 and 64-bit Arm.
+ */
+#define PALP_FRAME_FLUSHES_TO_ZERO 2048
+
+/**
  * Contact bent or ended the body's way.
  */
 #define PALP_DRIVEN_TOUCHING 1
@@ -1467,6 +1473,11 @@ typedef struct palp_replayed {
 #define PALP_BELOW_FLOOR 14
 
 /**
+ * Stepped; the thread puts small numbers to zero, which may change bits.
+ */
+#define PALP_FLUSHES_TO_ZERO 15
+
+/**
  * The library failed inside. The world may be half changed: load a saved state or create it anew.
  */
 #define PALP_PANICKED -1
@@ -2203,7 +2214,7 @@ palp_status palp_hand_set_joints(struct palp_world *world,
 
 /**
  * Steps the world by one frame, spending at most the input's units. Several things may have been cut;
- * the status is the gravest of them (overlap, pairs, contacts, advance, reach, impulses, time, time step),
+ * the status is the gravest of them (overlap, pairs, contacts, advance, reach, impulses, time, time step, flushing),
  * the report has them all. `report->struct_size` is set by the host; `report` may be null.
  */
 palp_status palp_frame_step(struct palp_world *world,

@@ -9,13 +9,13 @@ use crate::block::Block;
 use crate::panic::guarded;
 use crate::status::{
     PALP_BAD_TIME_STEP, PALP_BELOW_FLOOR, PALP_CUT_ADVANCE, PALP_CUT_IMPULSES, PALP_CUT_REACH,
-    PALP_FULL_CONTACTS, PALP_FULL_PAIRS, PALP_LATE, PALP_NULL, PALP_OK, PALP_OUT_OF_TIME,
-    PALP_OVERLAP, PALP_TIME_STEP_CLAMPED, palp_status,
+    PALP_FLUSHES_TO_ZERO, PALP_FULL_CONTACTS, PALP_FULL_PAIRS, PALP_LATE, PALP_NULL, PALP_OK,
+    PALP_OUT_OF_TIME, PALP_OVERLAP, PALP_TIME_STEP_CLAMPED, palp_status,
 };
 use crate::types::{palp_costs, palp_frame_input, palp_frame_report, palp_world};
 
 /// Flags and what they are as a status, the gravest first.
-const STATUSES: [(u32, palp_status); 11] = [
+const STATUSES: [(u32, palp_status); 12] = [
     (FrameReport::BAD_TIME_STEP, PALP_BAD_TIME_STEP),
     (FrameReport::OVERLAP, PALP_OVERLAP),
     (FrameReport::FULL_PAIRS, PALP_FULL_PAIRS),
@@ -27,6 +27,7 @@ const STATUSES: [(u32, palp_status); 11] = [
     (FrameReport::OUT_OF_TIME, PALP_OUT_OF_TIME),
     (FrameReport::LATE, PALP_LATE),
     (FrameReport::TIME_STEP_CLAMPED, PALP_TIME_STEP_CLAMPED),
+    (FrameReport::FLUSHES_TO_ZERO, PALP_FLUSHES_TO_ZERO),
 ];
 
 fn frame_status(flags: u32) -> palp_status {
@@ -37,7 +38,7 @@ fn frame_status(flags: u32) -> palp_status {
 }
 
 /// Steps the world by one frame, spending at most the input's units. Several things may have been cut;
-/// the status is the gravest of them (overlap, pairs, contacts, advance, reach, impulses, time, time step),
+/// the status is the gravest of them (overlap, pairs, contacts, advance, reach, impulses, time, time step, flushing),
 /// the report has them all. `report->struct_size` is set by the host; `report` may be null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palp_frame_step(
@@ -134,7 +135,7 @@ mod tests {
 
     #[test]
     fn every_known_flag_has_a_status() {
-        for bit in 0..11 {
+        for bit in 0..12 {
             assert_ne!(frame_status(1 << bit), PALP_OK);
         }
     }

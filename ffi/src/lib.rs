@@ -16,6 +16,7 @@ mod block;
 mod bodies;
 mod chains;
 mod contacts;
+mod environment;
 mod frame;
 mod hands;
 mod hosted;

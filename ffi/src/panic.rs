@@ -1,7 +1,8 @@
-//! No panic crosses into C.
+//! No panic crosses into C, and no float environment of C's crosses into the kernel.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use crate::environment::Environment;
 use crate::status::{PALP_PANICKED, palp_status};
 
 /// What a call came to inside the library; both sides go back to the host as they are.
@@ -18,6 +19,7 @@ pub(crate) fn guarded(call: impl FnOnce() -> Outcome) -> palp_status {
 
 /// Runs a call that has no status to return; `panicked` instead of a panic.
 pub(crate) fn guarded_or<T>(panicked: T, call: impl FnOnce() -> T) -> T {
+    let _restored = Environment::standard();
     catch_unwind(AssertUnwindSafe(call)).unwrap_or(panicked)
 }
 

@@ -43,6 +43,8 @@ pub const PALP_OUT_OF_TIME: palp_status = 12;
 pub const PALP_LATE: palp_status = 13;
 /// Stepped; the deadline is shorter than the frame's floor, and nothing was spent on contact.
 pub const PALP_BELOW_FLOOR: palp_status = 14;
+/// Stepped; the thread puts small numbers to zero, which may change bits.
+pub const PALP_FLUSHES_TO_ZERO: palp_status = 15;
 
 /// The library failed inside. The world may be half changed: load a saved state or create it anew.
 pub const PALP_PANICKED: palp_status = -1;
@@ -307,6 +309,10 @@ const TEXTS: &[(palp_status, &CStr)] = &[
     (
         PALP_BELOW_FLOOR,
         c"the deadline is shorter than the frame's floor (palp_frame_floor)",
+    ),
+    (
+        PALP_FLUSHES_TO_ZERO,
+        c"the thread puts small numbers to zero: bits may not be those of other machines",
     ),
     (PALP_STALE_CHAIN, c"the id names no chain of this world"),
     (

@@ -283,6 +283,9 @@ pub const PALP_FRAME_OUT_OF_TIME: u32 = 256;
 pub const PALP_FRAME_LATE: u32 = 512;
 /// The deadline is shorter than the frame's floor: no unit was spent.
 pub const PALP_FRAME_BELOW_FLOOR: u32 = 1024;
+/// The calling thread puts numbers below 1.2e-38 to zero, and the library cannot switch that off on this
+/// processor: bits may not be those of other machines. Never set on x86-64 and 64-bit Arm.
+pub const PALP_FRAME_FLUSHES_TO_ZERO: u32 = 2048;
 
 /// What a frame did. Start from `PALP_FRAME_REPORT_INIT`.
 #[repr(C)]
@@ -787,6 +790,7 @@ const _: () = {
     assert!(PALP_FRAME_OUT_OF_TIME == FrameReport::OUT_OF_TIME);
     assert!(PALP_FRAME_LATE == FrameReport::LATE);
     assert!(PALP_FRAME_BELOW_FLOOR == FrameReport::BELOW_FLOOR);
+    assert!(PALP_FRAME_FLUSHES_TO_ZERO == FrameReport::FLUSHES_TO_ZERO);
     assert!(PALP_DRIVEN_TOUCHING == DrivenReport::TOUCHING);
     assert!(PALP_DRIVEN_HELD == DrivenReport::HELD);
     assert!(PALP_DRIVEN_DETACHED == DrivenReport::DETACHED);

@@ -65,6 +65,9 @@ impl FrameReport {
     pub const LATE: u32 = 1 << 9;
     /// The deadline is shorter than the frame's floor: no unit was spent.
     pub const BELOW_FLOOR: u32 = 1 << 10;
+    /// The calling thread has its processor put numbers below [`f32::MIN_POSITIVE`] to zero. All promises
+    /// hold but one: the bits may not be those of a thread that keeps such numbers.
+    pub const FLUSHES_TO_ZERO: u32 = 1 << 11;
 
     pub(crate) const OF_TIME: u32 = Self::OUT_OF_TIME | Self::LATE | Self::BELOW_FLOOR;
 

@@ -16,44 +16,43 @@ pub(super) struct Line {
     focus: Option<Vec3>,
     /// Nobody waits and nothing is looked at: the order is that of the labels.
     is_plain: bool,
-    /// Key of the last that went.
-    last: Option<(u64, usize)>,
+    /// One past the last label that went, when the order is plain.
+    first: usize,
 }
 
 impl Line {
-    pub(super) fn new(state: &State, focus: Option<Vec3>) -> Self {
+    pub(super) fn new(state: &mut State, focus: Option<Vec3>) -> Self {
         let slots = state.registers.body_slots as usize;
+        state.islands.went[..slots].fill(0);
         let waiting = &state.bodies.waiting[..slots];
         let waits = (0..slots).any(|body| waiting[body].frames > 0 && is_loose(state, body));
         Self {
             focus,
             is_plain: focus.is_none() && !waits,
-            last: None,
+            first: 0,
         }
     }
 
-    /// The label of the next island. Cost: a pass over the bodies.
-    pub(super) fn next(&mut self, state: &State) -> Option<usize> {
-        let first = match self.last {
-            Some((_, label)) if self.is_plain => label + 1,
-            _ => 0,
-        };
+    /// The label of the next island, each once: going through the frame changes what its turn depends on.
+    /// Cost: a pass over the bodies.
+    pub(super) fn next(&mut self, state: &mut State) -> Option<usize> {
         let mut least: Option<(u64, usize)> = None;
-        for label in first..state.registers.body_slots as usize {
-            if !islands::begins(state, label) {
+        for label in self.first..state.registers.body_slots as usize {
+            if state.islands.went[label] == 1 || !islands::begins(state, label) {
                 continue;
             }
             let key = (self.key(state, label), label);
-            let is_new = self.last.is_none_or(|last| key > last);
-            if is_new && least.is_none_or(|least| key < least) {
+            if least.is_none_or(|least| key < least) {
                 least = Some(key);
-                if self.is_plain {
-                    break;
-                }
+            }
+            if self.is_plain {
+                self.first = label + 1;
+                break;
             }
         }
-        self.last = least;
-        least.map(|(_, label)| label)
+        let (_, label) = least?;
+        state.islands.went[label] = 1;
+        Some(label)
     }
 
     /// What goes first is least.

@@ -35,6 +35,8 @@ columns! {
         label: [u32; capacities.bodies],
         /// The next body of the same island, slot plus one.
         next: [u32; capacities.bodies],
+        /// One for the smallest slot of an island that went through the frame.
+        went: [u32; capacities.bodies],
         /// A box around all that a body may touch within the frame.
         near: [Bounds; capacities.bodies],
         /// Pairs of the island at hand.

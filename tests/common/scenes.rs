@@ -36,11 +36,18 @@ pub struct Scene {
     /// Chains of the driven body, and their angles in a frame by the chain's number.
     pub limbs: Vec<ChainId>,
     pub posture: fn(u32, usize) -> Vec<f32>,
+    /// What else the host does before a frame.
+    pub host: Option<Host>,
+    /// Length of a frame, in seconds.
+    pub length_s: fn(u32) -> f32,
     pub frame: u32,
 }
 
+/// What a host does before the frame of a number.
+pub type Host = Box<dyn FnMut(&mut World, u32)>;
+
 impl Scene {
-    fn new(world: World<'static>, shown: BodyId) -> Self {
+    pub fn new(world: World<'static>, shown: BodyId) -> Self {
         Self {
             world,
             shown,
@@ -48,18 +55,27 @@ impl Scene {
             bending: None,
             limbs: vec![],
             posture: |_, _| vec![],
+            host: None,
+            length_s: |_| FRAME_S,
             frame: 0,
         }
     }
 
-    fn driven_by(mut self, body: BodyId, script: Script) -> Self {
+    #[must_use]
+    pub fn hosted_by(mut self, host: impl FnMut(&mut World, u32) + 'static) -> Self {
+        self.host = Some(Box::new(host));
+        self
+    }
+
+    #[must_use]
+    pub fn driven_by(mut self, body: BodyId, script: Script) -> Self {
         self.driven = Some((body, script));
         self
     }
 
     /// Tells the trackers' news and steps the world.
     pub fn step(&mut self) -> FrameReport {
-        self.step_with(&FrameInput::unlimited(FRAME_S))
+        self.step_with(&FrameInput::unlimited((self.length_s)(self.frame)))
     }
 
     /// The same with another input.
@@ -79,7 +95,12 @@ impl Scene {
         }
         for (number, &chain) in self.limbs.iter().enumerate() {
             let angles = (self.posture)(self.frame, number);
-            self.world.set_angles(chain, &angles).unwrap();
+            if !angles.is_empty() {
+                self.world.set_angles(chain, &angles).unwrap();
+            }
+        }
+        if let Some(host) = &mut self.host {
+            host(&mut self.world, self.frame);
         }
         self.frame += 1;
     }
@@ -96,29 +117,29 @@ impl Scene {
 
 /// An empty world. Its memory is given back when the program ends: a scene moves, and a world
 /// borrows.
-fn world() -> World<'static> {
+pub fn world() -> World<'static> {
     let block = Box::leak(Box::new(Block::new(&Capacities::ROOM)));
     World::create(block.bytes(), &Capacities::ROOM).unwrap()
 }
 
 /// A floor whose top is at y = 0.
-fn floor(world: &mut World) {
+pub fn floor(world: &mut World) {
     let pose = Pose::at(0.0, -0.5, 0.0);
     add_box(world, BodyKind::Fixed, pose, [2.0, 0.5, 2.0]);
 }
 
-fn add_body(world: &mut World, kind: BodyKind, pose: Pose) -> BodyId {
+pub fn add_body(world: &mut World, kind: BodyKind, pose: Pose) -> BodyId {
     world.add_body(&BodyDef::new(kind, pose)).unwrap()
 }
 
-fn add_sphere(world: &mut World, pose: Pose, radius_m: f32) -> BodyId {
+pub fn add_sphere(world: &mut World, pose: Pose, radius_m: f32) -> BodyId {
     let body = add_body(world, BodyKind::Dynamic, pose);
     add_piece(world, body, &PieceDef::new(Shape::Point, radius_m));
     body
 }
 
 /// How far between `first` and `last` a frame is, from 0 to 1.
-fn share(frame: u32, first: u32, last: u32) -> f32 {
+pub fn share(frame: u32, first: u32, last: u32) -> f32 {
     if frame <= first {
         0.0
     } else if frame >= last {
@@ -129,7 +150,7 @@ fn share(frame: u32, first: u32, last: u32) -> f32 {
 }
 
 /// A turn about x with the tangent of a quarter of the angle.
-fn turned_about_x(quarter_tangent: f32) -> [f32; 4] {
+pub fn turned_about_x(quarter_tangent: f32) -> [f32; 4] {
     let square = quarter_tangent * quarter_tangent;
     let scale = 1.0 + square;
     [
@@ -284,12 +305,14 @@ fn arm_joints(at: [f32; 3]) -> [JointDef; 3] {
     ]
 }
 
+/// Arms that keep out of each other and move the root.
+pub const ARM_OPTIONS: ChainOptions = ChainOptions {
+    flags: ChainOptions::MOVES_ROOT | ChainOptions::MEETS_BODY,
+    ..ChainOptions::DEFAULT
+};
+
 /// Adds two arms to a body, their links capsules along z.
-fn add_arms(world: &mut World, body: BodyId) -> Vec<ChainId> {
-    let options = ChainOptions {
-        flags: ChainOptions::MOVES_ROOT | ChainOptions::MEETS_BODY,
-        ..ChainOptions::DEFAULT
-    };
+pub fn add_arms(world: &mut World, body: BodyId, options: ChainOptions) -> Vec<ChainId> {
     [-0.2, 0.2]
         .map(|x| {
             let joints = arm_joints([x, 0.0, 0.0]);
@@ -323,16 +346,19 @@ pub fn two_arms() -> Scene {
     let pushed = add_box(&mut world, BodyKind::Dynamic, crate_pose, half);
     let root = Pose::at(0.0, 1.4, 0.0);
     let body = add_body(&mut world, BodyKind::Driven, root);
-    let arms = add_arms(&mut world, body);
+    let arms = add_arms(&mut world, body, ARM_OPTIONS);
     let mut scene = Scene::new(world, pushed).driven_by(body, |_| Pose::at(0.0, 1.4, 0.0));
     scene.limbs = arms;
-    scene.posture = |frame, number| {
-        let up = share(frame, 10, 80) - share(frame, 200, 250);
-        let across = share(frame, 90, 150) - share(frame, 160, 200);
-        let side = if number == 0 { 1.0 } else { -1.0 };
-        vec![0.9 * up, side * 0.5 * across, 0.0, 0.4 * up, 0.2 * up]
-    };
+    scene.posture = arm_posture;
     scene
+}
+
+/// Arms swing forward, cross, part and go back.
+pub fn arm_posture(frame: u32, number: usize) -> Vec<f32> {
+    let up = share(frame, 10, 80) - share(frame, 200, 250);
+    let across = share(frame, 90, 150) - share(frame, 160, 200);
+    let side = if number == 0 { 1.0 } else { -1.0 };
+    vec![0.9 * up, side * 0.5 * across, 0.0, 0.4 * up, 0.2 * up]
 }
 
 // What the benches measure.
@@ -346,7 +372,7 @@ fn arms(wall: bool) -> Scene {
     }
     let root = Pose::at(0.0, 1.4, 0.0);
     let body = add_body(&mut world, BodyKind::Driven, root);
-    let arms = add_arms(&mut world, body);
+    let arms = add_arms(&mut world, body, ARM_OPTIONS);
     let mut scene = Scene::new(world, body).driven_by(body, |_| Pose::at(0.0, 1.4, 0.0));
     scene.limbs = arms;
     scene.posture = |frame, _| {
@@ -412,7 +438,7 @@ pub fn rod(half: [f32; 3]) -> Vec<[f32; 3]> {
 }
 
 /// A flat hand of 18 hulls of 32 points, as many parts as the hand of Schmidl and Lin 2004 has.
-fn add_hand(world: &mut World, pose: Pose) -> BodyId {
+pub fn add_hand(world: &mut World, pose: Pose) -> BodyId {
     let hand = add_body(world, BodyKind::Driven, pose);
     add_rod(world, hand, [0.025, 0.015, 0.03], [0.0, 0.0, 0.06]);
     add_rod(world, hand, [0.02, 0.014, 0.045], [-0.02, 0.0, -0.005]);
@@ -429,7 +455,7 @@ fn add_hand(world: &mut World, pose: Pose) -> BodyId {
     hand
 }
 
-fn add_rod(world: &mut World, body: BodyId, half: [f32; 3], at: [f32; 3]) {
+pub fn add_rod(world: &mut World, body: BodyId, half: [f32; 3], at: [f32; 3]) {
     let points = rod(half);
     let def = PieceDef {
         local: Pose::at(at[0], at[1], at[2]),
@@ -440,7 +466,7 @@ fn add_rod(world: &mut World, body: BodyId, half: [f32; 3], at: [f32; 3]) {
 }
 
 /// A table whose top is at y = 0, and boxes far from it, so many fixed pieces in all.
-fn furnish(world: &mut World, pieces: u32) {
+pub fn furnish(world: &mut World, pieces: u32) {
     if pieces > 0 {
         let pose = Pose::at(0.0, -0.02, 0.0);
         add_box(world, BodyKind::Fixed, pose, [1.5, 0.02, 1.0]);
