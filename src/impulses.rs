@@ -198,7 +198,7 @@ impl Island {
             }
             self.stretch.to = next_break(state, self.stretch.island as usize, time);
             if event >= full {
-                self.go_on(state, swept.blocked, time);
+                self.go_on(state, &swept, time);
                 continue;
             }
             touch::forget(state, &self.stretch);
@@ -211,10 +211,11 @@ impl Island {
 
     /// Goes on without answering an event: who blocked the way waits for the next frame, with what speed it
     /// has, and all others keep theirs.
-    fn go_on(&mut self, state: &mut State, blocked: Option<usize>, time: f32) {
-        if let Some(pair) = blocked {
+    fn go_on(&mut self, state: &mut State, swept: &Swept, time: f32) {
+        if let Some(pair) = swept.blocked {
             movers::wait_blocked(state, pair, time);
         }
+        sweep::carry_over(state, self.pairs.unwrap_or_default(), swept.reached);
         self.rows = 0;
         respond::ready(state, &self.stretch);
         islands::note_centres(state, self.stretch.island as usize);

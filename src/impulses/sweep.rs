@@ -306,13 +306,32 @@ fn start(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mut Purse) 
         let pair = state.islands.pairs[index];
         let way = way_m(state, pair.a as usize, stretch) + way_m(state, pair.b as usize, stretch);
         let slack = pair.gap - floor_m(state, &pair, stretch);
-        state.islands.pairs[index].clear_until = if way < LOOSE_STILL_M {
+        state.islands.pairs[index].clear_until = if is_unsure(state, &pair) {
+            0.0
+        } else if way < LOOSE_STILL_M {
             1.0
         } else if slack > 0.0 {
             math::min(slack / way, 1.0)
         } else {
             0.0
         };
+    }
+}
+
+/// Whether a pair's other piece is a driven one of another island, which may yet stop anywhere on its way.
+fn is_unsure(state: &State, pair: &Pair) -> bool {
+    pair.foreign == 1 && state.pieces.body_kind[pair.b as usize] == BodyKind::Driven.code()
+}
+
+/// Carries what is known of the gaps over to a stretch that begins at the share `reached` of this one: what
+/// the motion leaves of them at least. Pairs that may be close are to be measured again.
+pub(super) fn carry_over(state: &mut State, pairs: usize, reached: f32) {
+    for pair in &mut state.islands.pairs[..pairs] {
+        let ways = state.islands.way[pair.a as usize] + state.islands.way[pair.b as usize];
+        pair.gap -= math::max(ways, 0.0) * reached;
+        if pair.gap <= LOOSE_MARGIN_M {
+            pair.measured = 0;
+        }
     }
 }
 
@@ -347,6 +366,9 @@ fn floor_m(state: &State, pair: &Pair, stretch: &Stretch) -> f32 {
 /// Certifies a pair beyond `time`; true when it cannot be, so that it blocks the way.
 fn certify(state: &mut State, index: usize, stretch: &Stretch, time: f32) -> bool {
     let pair = state.islands.pairs[index];
+    if is_unsure(state, &pair) {
+        return true;
+    }
     let moving = moving_pair(state, &pair, stretch);
     let mut feature = pair.feature;
     let found = moving.clear_until(
