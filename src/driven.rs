@@ -300,7 +300,7 @@ fn walk(
         at: start,
         wanted,
         pairs,
-        covered: Cover::between(&start, &wanted),
+        covered: Cover::between(state, body, &start, &wanted),
         flags: 0,
         hold: Hold::default(),
     };
@@ -382,15 +382,19 @@ impl Walk {
 
     fn collect(&mut self, state: &mut State, goal: &Position) -> Result<(), PairsFull> {
         self.pairs = pairs::collect_driven(state, self.body, &track(&self.at, goal))?;
-        self.covered = Cover::between(&self.at, goal);
+        self.covered = Cover::between(state, self.body, &self.at, goal);
         Ok(())
     }
 
     /// Whether the pairs at hand are all that this leg can meet.
     fn covers(&self, state: &State, goal: &Position) -> bool {
-        self.covered.holds(&self.at, goal)
-            && (!has_chains(state, self.body)
-                || pairs::cover(state, self.body, &track(&self.at, goal)))
+        let way = track(&self.at, goal);
+        let parts = if self.covered.parts_move {
+            pairs::cover(state, self.body, &way)
+        } else {
+            !pairs::parts_move(state, self.body, &way)
+        };
+        parts && self.covered.holds(&self.at, goal)
     }
 
     /// Measures what touches where the body is; false when the units ran out.
@@ -555,19 +559,21 @@ fn hand_over(state: &mut State, body: usize, leg: usize, reached: f32) {
 struct Cover {
     low: Vec3,
     high: Vec3,
+    /// The pieces move otherwise than the root: their boxes are to be looked at one by one.
+    parts_move: bool,
 }
 
 impl Cover {
-    fn between(at: &Position, goal: &Position) -> Self {
+    fn between(state: &State, body: usize, at: &Position, goal: &Position) -> Self {
         let (from, to) = (at.root.translation(), goal.root.translation());
         Self {
             low: math::min_each(from, to) - Vec3::splat(PAIR_MARGIN_M),
             high: math::max_each(from, to) + Vec3::splat(PAIR_MARGIN_M),
+            parts_move: pairs::parts_move(state, body, &track(at, goal)),
         }
     }
 
-    /// Whether the boxes that were paired hold this way too: turn and local poses lie between those
-    /// that were swept, so only the root's translation can leave them.
+    /// Whether the root stays where the boxes that were paired hold it.
     fn holds(&self, at: &Position, goal: &Position) -> bool {
         let inside = |p: Vec3| p.cmpge(self.low).all() && p.cmple(self.high).all();
         inside(at.root.translation()) && inside(goal.root.translation())

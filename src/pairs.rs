@@ -65,7 +65,7 @@ pub(crate) fn collect_driven(
     state.legs.whole[body] = state.legs.whole[body].union(whole);
     let near = obstacles_near(state, body, &whole);
     let mut count = 0;
-    let keeps = has_chains(state, body);
+    let keeps = parts_move(state, body, track);
     let mut current = if near.is_empty() && !keeps {
         0
     } else {
@@ -90,10 +90,21 @@ pub(crate) fn collect_driven(
             }
         }
     }
-    if keeps {
+    if has_chains(state, body) {
         own::collect(state, body, track, &mut count)?;
     }
     Ok(count)
+}
+
+/// Whether the pieces of a body move otherwise than its root does: then a way on which the root moves and they
+/// do not, or the other way round, takes them to where neither end of the whole way has them.
+pub(crate) fn parts_move(state: &State, body: usize, track: &BodyTrack) -> bool {
+    let pieces = &state.pieces;
+    let bends = |piece: usize| pieces.local[piece] != pieces.local_target[piece];
+    has_chains(state, body)
+        || track.root.from.rotation != track.root.to.rotation
+        || track.local_from != track.local_to
+            && PiecesOf::new(pieces.next, state.bodies.first_piece[body]).any(bends)
 }
 
 fn pass(state: &State, piece: usize, other: usize) -> bool {
@@ -135,7 +146,7 @@ fn is_fixed_near(state: &State, piece: usize, bounds: &Bounds) -> bool {
         && state.pieces.bounds[piece].overlaps(bounds)
 }
 
-/// Whether the pairs of a body with chains, collected for another way, hold for this one too, provided
+/// Whether the pairs of a body whose parts move, collected for another way, hold for this one too, provided
 /// that the root goes no farther. Where nothing at all was near, no piece can have come near anything.
 pub(crate) fn cover(state: &State, body: usize, track: &BodyTrack) -> bool {
     PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]).all(|piece| {
