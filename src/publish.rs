@@ -27,7 +27,10 @@ pub(crate) fn run(state: &mut State, dt_s: f32) {
 
 fn report_reaction(state: &mut State, body: usize, dt_s: f32) {
     let reaction = state.bodies.yielding[body].reaction / dt_s;
-    state.bodies.report[body].reaction_n = reaction.to_array();
+    // A sum of finite impulses over a short frame need not be.
+    if reaction.is_finite() {
+        state.bodies.report[body].reaction_n = reaction.to_array();
+    }
 }
 
 fn publish_driven(state: &mut State, body: usize) {

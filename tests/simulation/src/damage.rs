@@ -47,7 +47,7 @@ fn load(world: &mut World, cast: &Cast, snapshot: &[u8], whole: bool) -> Result<
     let input = FrameInput::unlimited(1.0 / 90.0);
     let frame = world.step(&input).frame;
     let mut checker = Checker::default();
-    checker.count_from(frame);
+    checker.start_from(world, cast, frame);
     checker.before(world, cast, &input);
     let report = world.step(&input);
     checker.after(world, cast, &input, &report)

@@ -77,6 +77,9 @@ fn is_unit(parts: &[f32]) -> bool {
 /// Overlap that a pair of pieces showed, in metres.
 type Known = ([PieceId; 2], f64);
 
+/// A ball by its chain and first hinge, and how far it is outside its cone, in radians.
+type Outside = ((ChainId, usize), f64);
+
 /// The deepest overlaps that were seen, by [`Class`], in metres.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Worst {
@@ -105,7 +108,7 @@ pub struct Checker {
     frames: u64,
     high_water: Option<Capacities>,
     /// Balls outside their cones, by chain and first hinge, and how far, in radians.
-    outside: Vec<((ChainId, usize), f64)>,
+    outside: Vec<Outside>,
     /// Bodies that are to stay: driven ones where nothing may be spent, and dynamic ones out of the world.
     held: Vec<(BodyId, Pose)>,
     /// The deepest overlaps so far.
@@ -256,10 +259,11 @@ impl Checker {
         Ok(())
     }
 
-    /// Starts to count frames from here: after a rollback, or in a world that was stepped before.
-    pub fn count_from(&mut self, frames: u64) {
+    /// Starts from a world as it is: after a rollback, or when it was stepped before.
+    pub fn start_from(&mut self, world: &World, cast: &Cast, frames: u64) {
         self.frames = frames;
         self.high_water = None;
+        self.outside = outside(world, cast);
     }
 
     fn check_capacities(&mut self, world: &World) -> Result<(), Broken> {
@@ -447,28 +451,35 @@ impl Checker {
         cast: &Cast,
         report: &FrameReport,
     ) -> Result<(), Broken> {
-        let mut left = Vec::new();
-        for chain in &cast.chains {
-            let angles = world.angles(chain.id).unwrap_or_default();
-            for ball in &chain.balls {
-                let outside = outside_rad(ball, angles);
-                if outside <= LIMIT_RAD {
-                    continue;
-                }
-                let name = (chain.id, ball.first);
-                let known = self.outside.iter().find(|(other, _)| *other == name);
-                let mut pieces = cast.pieces_of(chain.body);
-                let excused = known.is_some_and(|(_, before)| outside <= before + LIMIT_RAD)
-                    || pieces
-                        .any(|piece| may_be_stopped(world, cast, &self.overlaps, piece.id, report));
-                hold(excused, "a ball is outside its cone", (name, outside))?;
-                self.worst.outside_rad = self.worst.outside_rad.max(outside);
-                left.push((name, outside));
-            }
+        let left = outside(world, cast);
+        for (name, far) in &left {
+            let known = self.outside.iter().find(|(other, _)| other == name);
+            let body = cast.chain(name.0).map_or(BodyId::NULL, |chain| chain.body);
+            let mut pieces = cast.pieces_of(body);
+            let excused = known.is_some_and(|(_, before)| *far <= before + LIMIT_RAD)
+                || pieces
+                    .any(|piece| may_be_stopped(world, cast, &self.overlaps, piece.id, report));
+            hold(excused, "a ball is outside its cone", (name, far))?;
+            self.worst.outside_rad = self.worst.outside_rad.max(*far);
         }
         self.outside = left;
         Ok(())
     }
+}
+
+/// Balls that are outside their cones, and how far, in radians.
+fn outside(world: &World, cast: &Cast) -> Vec<Outside> {
+    let mut found = Vec::new();
+    for chain in &cast.chains {
+        let angles = world.angles(chain.id).unwrap_or_default();
+        for ball in &chain.balls {
+            let far = outside_rad(ball, angles);
+            if far > LIMIT_RAD {
+                found.push(((chain.id, ball.first), far));
+            }
+        }
+    }
+    found
 }
 
 /// Overlaps that are deeper than promised.

@@ -132,7 +132,7 @@ impl Game {
     ) -> Result<(), Broken> {
         self.host.act(draw, world, tally)?;
         if let Some(frames) = self.host.rolled_back.take() {
-            self.checker.count_from(frames);
+            self.checker.start_from(world, &self.host.cast, frames);
         }
         let input = self.host.input(draw);
         self.checker.before(world, &self.host.cast, &input);
