@@ -146,6 +146,30 @@ pub(crate) fn lean(state: &mut State) {
     }
 }
 
+/// Has bodies with balls that loose objects stopped on their way stop where every ball is within its cone:
+/// between two postures that are, the angles pass through others.
+pub(crate) fn stop_within_cones(state: &mut State) {
+    for body in 0..state.registers.body_slots as usize {
+        let stop = state.legs.stop_time[body];
+        let is_driven = state.bodies.kind[body] == BodyKind::Driven.code();
+        if !is_driven || stop >= 1.0 || !has_chains(state, body) {
+            continue;
+        }
+        let at = driven_at(state.legs.of(body), &state.bodies.pose[body], stop);
+        let safe = reach::within_cones(state, body, at.leg, at.share);
+        if safe < at.share {
+            let legs = state.legs.of(body);
+            let begun = at
+                .leg
+                .checked_sub(1)
+                .map_or(0.0, |before| legs[before].end_time);
+            let leg = &legs[at.leg];
+            let part = safe / leg.reached;
+            state.legs.stop_time[body] = begun + (leg.end_time - begun) * part;
+        }
+    }
+}
+
 /// How many chains of a body were left without the steps that they asked for.
 fn chains_cut(state: &State, body: usize) -> u32 {
     let is_cut = |&chain: &usize| state.chains.report[chain].flags & ChainReport::CUT != 0;

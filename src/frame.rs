@@ -83,6 +83,7 @@ pub(crate) fn step(state: &mut State, input: &FrameInput, clock: Option<Clock>) 
             loose.run(state, island, &mut report);
         }
         loose.end(state, &mut report);
+        driven::stop_within_cones(state);
         driven::lean(state);
     }
     publish::run(state, dt_s);
