@@ -69,7 +69,7 @@
 //!
 //! Not promised: overlap that the host itself makes is reported and undone, not prevented. A driven body
 //! that a loose object stops in the middle of a frame may be met by another driven body that moved beside
-//! it, and a ball joint that it stops there may be outside its cone by the sagitta of one frame's arc.
+//! it.
 //!
 //! # Units
 //!
