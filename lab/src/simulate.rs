@@ -106,7 +106,7 @@ pub fn tables(simulated: &Simulated) -> String {
 
 fn overlaps(tally: &Tally) -> Table {
     let mut table = Table::new();
-    table.load_preset(comfy_table::presets::ASCII_MARKDOWN);
+    table.load_style(comfy_table::presets::ASCII_MARKDOWN);
     table.set_header([
         "deepest overlap, mm",
         "promised",
@@ -131,7 +131,7 @@ fn overlaps(tally: &Tally) -> Table {
 
 fn calls(tally: &Tally) -> Table {
     let mut table = Table::new();
-    table.load_preset(comfy_table::presets::ASCII_MARKDOWN);
+    table.load_style(comfy_table::presets::ASCII_MARKDOWN);
     table.set_header(["call", "taken", "refused"]);
     for (call, [taken, refused]) in Call::ALL.iter().zip(tally.calls) {
         table.add_row([
