@@ -50,12 +50,15 @@ fn publish_driven(state: &mut State, body: usize) {
     settle_chains(state, body);
 }
 
-/// Whether a loose object stopped a body on its way out of overlap, which only its end is known to be clear
-/// of: the body stays where it was.
+/// Whether a loose object stopped a body that leaves overlap or snaps to its tracker, of which only the end is
+/// known to be clear: the body stays where it was. A snap's leg begins at the tracker.
 fn stops_in_leap(state: &State, body: usize) -> bool {
-    let leaps = state.bodies.report[body].flags & DrivenReport::OVERLAPS != 0;
+    let leaves = state.bodies.report[body].flags & DrivenReport::OVERLAPS != 0;
     let first = state.legs.of(body).first();
-    leaps && first.is_some_and(|leg| state.legs.stop_time[body] < leg.end_time)
+    first.is_some_and(|leg| {
+        let leaps = leaves || leg.from != state.bodies.pose[body];
+        leaps && state.legs.stop_time[body] < leg.end_time
+    })
 }
 
 /// Moves the published local poses by a share of their way to the targets.
