@@ -4,7 +4,7 @@ use plotters::backend::SVGBackend;
 use plotters::chart::ChartBuilder;
 use plotters::coord::combinators::IntoLogRange;
 use plotters::drawing::{DrawingAreaErrorKind, IntoDrawingArea};
-use plotters::element::{Circle, PathElement};
+use plotters::element::{Circle, PathElement, Text};
 use plotters::style::{Color, RGBColor, WHITE};
 
 use super::play::Outcome;
@@ -14,6 +14,9 @@ const SIZE: (u32, u32) = (960, 560);
 
 /// Errors below this are drawn at it, in millimetres.
 const LEAST_MM: f64 = 1e-4;
+
+/// Deadlines that the axis names, in microseconds.
+const NAMED_US: [f64; 4] = [100.0, 200.0, 500.0, 1000.0];
 
 const COLOURS: [RGBColor; 6] = [
     RGBColor(0x1F, 0x4E, 0x79),
@@ -37,6 +40,12 @@ pub fn error_svg(outcomes: &[Outcome]) -> Result<String, DrawingAreaErrorKind<st
         let most = outcomes
             .iter()
             .fold(1.0, |most: f64, outcome| most.max(outcome.error_mm_mean));
+        let cut = outcomes
+            .iter()
+            .filter(|outcome| outcome.deadline_us.is_some());
+        let least = cut.fold(most, |least: f64, outcome| {
+            least.min(outcome.error_mm_mean.max(LEAST_MM))
+        });
         let mut chart = ChartBuilder::on(&area)
             .caption(
                 "distance of the driven pieces from the run without a deadline",
@@ -48,13 +57,20 @@ pub fn error_svg(outcomes: &[Outcome]) -> Result<String, DrawingAreaErrorKind<st
             .y_label_area_size(72)
             .build_cartesian_2d(
                 (40.0..1250.0).log_scale(),
-                (LEAST_MM..2.0 * most).log_scale(),
+                (0.5 * least..2.0 * most).log_scale(),
             )?;
         chart
             .configure_mesh()
             .x_desc("deadline of a frame [us]")
-            .y_desc("mean distance [mm] (the lowest line: 0.0001 or less)")
-            .x_label_formatter(&|us: &f64| format!("{us:.0}"))
+            .y_desc("mean distance [mm]")
+            .x_label_formatter(&|us: &f64| {
+                let is_named = NAMED_US.contains(us);
+                if is_named {
+                    format!("{us:.0}")
+                } else {
+                    String::new()
+                }
+            })
             .y_label_formatter(&|mm: &f64| format!("{mm}"))
             .light_line_style(WHITE)
             .draw()?;
@@ -68,23 +84,17 @@ pub fn error_svg(outcomes: &[Outcome]) -> Result<String, DrawingAreaErrorKind<st
                 })
                 .collect();
             let colour = COLOURS[index % COLOURS.len()];
-            chart
-                .draw_series([PathElement::new(points.clone(), colour.stroke_width(2))])?
-                .label(trial.name())
-                .legend(move |(x, y)| {
-                    PathElement::new(vec![(x, y), (x + 20, y)], colour.stroke_width(3))
-                });
+            chart.draw_series([PathElement::new(points.clone(), colour.stroke_width(2))])?;
+            let y = 60 + 22 * index as i32;
+            let swatch = vec![(756, y), (780, y)];
+            area.draw(&PathElement::new(swatch, colour.stroke_width(3)))?;
+            area.draw(&Text::new(trial.name(), (788, y - 8), ("sans-serif", 14)))?;
             chart.draw_series(
                 points
                     .into_iter()
                     .map(|at| Circle::new(at, 4, colour.filled())),
             )?;
         }
-        chart
-            .configure_series_labels()
-            .position(plotters::chart::SeriesLabelPosition::Coordinate(690, 20))
-            .label_font(("sans-serif", 14))
-            .draw()?;
         area.present()?;
     }
     Ok(drawing)
