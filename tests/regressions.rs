@@ -449,3 +449,27 @@ fn friction_beyond_what_f32_can_multiply_is_refused() {
         assert_eq!(done.is_ok(), taken, "{friction}");
     }
 }
+
+#[test]
+fn a_grain_whose_moments_have_no_inverse_has_a_velocity() {
+    for density in [1e-44, 1e-30, 1e-20, 1e-18] {
+        let mut block = Block::new(&SMALL);
+        let mut world = World::create(block.bytes(), &SMALL).unwrap();
+        let def = BodyDef::new(BodyKind::Dynamic, Pose::IDENTITY);
+        let body = world.add_body(&def).unwrap();
+        let grain = PieceDef {
+            density_kg_m3: density,
+            ..PieceDef::new(Shape::Point, 1e-4)
+        };
+        add_piece(&mut world, body, &grain);
+        world
+            .apply_impulse(body, [1.0, 2.0, 3.0], [1.0, 0.5, 0.0])
+            .unwrap();
+        for _ in 0..3 {
+            let (linear, angular) = world.velocity(body).unwrap();
+            let finite = linear.iter().chain(&angular).all(|part| part.is_finite());
+            assert!(finite, "{density}: {linear:?} {angular:?}");
+            world.step(&FrameInput::unlimited(FRAME_S));
+        }
+    }
+}

@@ -311,7 +311,15 @@ fn body_mass(sum: &MassSum) -> BodyMass {
     };
     let principal = total.principal();
     let moments = principal.moments;
-    let inverse = |moment: f32| if moment > 0.0 { 1.0 / moment } else { 0.0 };
+    // Of a grain so light that f32 has no inverse: it counts as none, and nothing moves it.
+    let inverse = |moment: f32| {
+        let inverse = 1.0 / moment;
+        if moment > 0.0 && inverse.is_finite() {
+            inverse
+        } else {
+            0.0
+        }
+    };
     BodyMass {
         mass_kg: total.mass_kg,
         inverse_mass: inverse(total.mass_kg),
