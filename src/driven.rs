@@ -403,11 +403,8 @@ impl Walk {
             let Some(root) = contacts::way_out(state, self.pairs, &self.at, purse) else {
                 return Ok(None);
             };
-            let goal = Position {
-                root,
-                share: 1.0,
-                ..self.at
-            };
+            // With the angles that it has: on its way out the links stay as they are.
+            let goal = Position { root, ..self.at };
             if !self.pays_for_pairs(state, purse) {
                 return Ok(None);
             }
