@@ -17,7 +17,7 @@ use crate::limits::{
 use crate::math::{self, Pose};
 use crate::reach::{self, Hold, Plan};
 use crate::state::State;
-use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport};
+use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, is_loose};
 use crate::state::chains::{
     ChainReport, End, chains_of, has_chains, joints_of, next_chain, place_links, slot_range,
 };
@@ -28,7 +28,7 @@ use crate::state::purse::Purse;
 use crate::state::ways::{
     BodyTrack, Leg, Position, driven_at, in_world, piece_motion, piece_pose, track,
 };
-use crate::{advance, contacts, pairs};
+use crate::{advance, contacts, impulses, pairs};
 use line::Line;
 
 /// Moves every driven body as far as its way is clear. Spends at most the spending's units, one for each
@@ -77,7 +77,12 @@ pub(crate) fn give_way(state: &mut State, spending: &Spending, report: &mut Fram
     for body in 0..state.registers.body_slots as usize {
         if state.islands.gives[body].replans == GiveWay::ASKED {
             let mut purses = purses(spending, report);
-            let flags = yield_once(state, body, &mut purses) | DrivenReport::TOUCHING;
+            let mut flags = yield_once(state, body, &mut purses) | DrivenReport::TOUCHING;
+            if meets_another_island(state, body) {
+                state.legs.count[body] = 0;
+                state.legs.local_share[body] = 0.0;
+                flags |= DrivenReport::HELD;
+            }
             state.bodies.report[body].flags |= flags;
             state.bodies.settled[body].moved = u32::from(state.legs.count[body] > 0);
             state.bodies.settled[body].is_settled = 0;
@@ -88,6 +93,21 @@ pub(crate) fn give_way(state: &mut State, spending: &Spending, report: &mut Fram
             }
         }
     }
+}
+
+/// Whether a way that was planned anew leads to loose bodies that were not near the first one: they sleep, or
+/// go through the frame in an island of their own, and do not look out for it. Those that went already may be
+/// where impulses took them.
+fn meets_another_island(state: &State, body: usize) -> bool {
+    let whole = state.legs.whole[body];
+    let island = state.islands.label[body];
+    state.legs.count[body] > 0
+        && (0..state.registers.body_slots as usize).any(|other| {
+            is_loose(state, other)
+                && state.islands.label[other] != island
+                && (state.islands.near[other].overlaps(&whole)
+                    || impulses::is_in(state, other, &whole))
+        })
 }
 
 fn yield_once(state: &mut State, body: usize, purses: &mut Purses) -> u32 {

@@ -29,6 +29,7 @@ use crate::state::State;
 use crate::state::bodies::{BodyKind, HostedImpulse, Load, is_loose};
 use crate::state::contacts::PairsFull;
 use crate::state::islands::GiveWay;
+use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::purse::Purse;
 use glam::Vec3;
 use line::Line;
@@ -108,6 +109,12 @@ pub(crate) fn is_awake(state: &State) -> bool {
     state.registers.loose > 0
         && (0..state.registers.body_slots as usize)
             .any(|body| is_loose(state, body) && state.bodies.momentum[body].asleep == 0)
+}
+
+/// Whether a piece of a loose body is in a box where the body is now.
+pub(crate) fn is_in(state: &State, body: usize, bounds: &Bounds) -> bool {
+    PiecesOf::new(state.pieces.next, state.bodies.first_piece[body])
+        .any(|piece| sweep::loose_bounds(state, piece, body).overlaps(bounds))
 }
 
 impl Loose<'_> {
@@ -190,6 +197,12 @@ impl Island {
                 return 1.0;
             }
             stalls = if time - from <= 1e-4 { stalls + 1 } else { 0 };
+            let unsure = swept.blocked.is_some_and(|pair| {
+                sweep::is_unsure(state, &state.islands.pairs[pair], &self.stretch)
+            });
+            if unsure {
+                stalls = STALLS_MAX + 1;
+            }
             if stalls > STALLS_MAX {
                 if let Some(blocked) = swept.blocked {
                     movers::stop_blocked(state, blocked, time);

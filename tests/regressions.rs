@@ -7,7 +7,7 @@ mod loose;
 use common::{Block, add_box, add_piece};
 use loose::{ball, floor, lowest_corner, position, surface};
 use palpable::frame::{FrameInput, FrameReport};
-use palpable::limits::{FRICTION_MAX, LOOSE_REST_M, OVERLAP_SLOP_M};
+use palpable::limits::{FRICTION_MAX, LOOSE_REST_M, OVERLAP_SLOP_M, SPEED_MAX};
 use palpable::math::Pose;
 use palpable::memory::{BodyId, Capacities};
 use palpable::state::bodies::{BodyKind, Coupling};
@@ -470,6 +470,35 @@ fn a_grain_whose_moments_have_no_inverse_has_a_velocity() {
             let finite = linear.iter().chain(&angular).all(|part| part.is_finite());
             assert!(finite, "{density}: {linear:?} {angular:?}");
             world.step(&FrameInput::unlimited(FRAME_S));
+        }
+    }
+}
+
+#[test]
+fn a_force_that_takes_a_body_to_a_hand_far_away_does_not_hold_up_the_frame() {
+    for up_n in [1e3, 1e5, 1e7, 6e8] {
+        let mut block = Block::new(&SMALL);
+        let mut world = World::create(block.bytes(), &SMALL).unwrap();
+        let thrown = ball(&mut world, BodyKind::Dynamic, [0.0, 10.0, 0.0], 0.1);
+        let hand = ball(&mut world, BodyKind::Driven, [0.0, 20.0, 0.0], 0.1);
+        for frame in 0..4 {
+            world.set_target(hand, &Pose::at(0.01, 20.0, 0.0)).unwrap();
+            world
+                .apply_force(thrown, [0.0, up_n, 0.0], [0.0; 3])
+                .unwrap();
+            let report = world.step(&FrameInput::unlimited(FRAME_S));
+            assert_eq!(
+                report.flags & FrameReport::IMPULSES_CUT,
+                0,
+                "{up_n} {frame}"
+            );
+            let speed = speed(&world, thrown);
+            assert!(
+                speed <= f64::from(SPEED_MAX) * 1.0001,
+                "{up_n}: {speed} m/s"
+            );
+            let away = position(&world, hand)[1] - position(&world, thrown)[1];
+            assert!(away > 0.2 - 1e-4 || away < -0.2, "{up_n}: {away} m");
         }
     }
 }

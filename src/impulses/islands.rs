@@ -2,7 +2,7 @@
 
 use super::Stretch;
 use super::movers::{self, centre_pose, keep_sane, reach_m, spin};
-use crate::limits::{LOOSE_MARGIN_M, PAIR_MARGIN_M, SLEEP_S, STILL_SPEED};
+use crate::limits::{LOOSE_MARGIN_M, PAIR_MARGIN_M, SLEEP_S, SPEED_MAX, SPIN_MAX, STILL_SPEED};
 use crate::math;
 use crate::state::State;
 use crate::state::bodies::{BodyKind, is_body_of, is_loose};
@@ -57,10 +57,17 @@ fn near_loose(state: &State, body: usize, dt_s: f32) -> Bounds {
     if state.bodies.momentum[body].asleep == 1 {
         return own.grown(LOOSE_MARGIN_M);
     }
-    let speed = math::length(state.bodies.momentum[body].velocity);
+    let (mass, load) = (&state.bodies.mass[body], &state.bodies.load[body]);
+    let gained = math::length(load.force) * mass.inverse_mass * dt_s;
     let fall = math::length(state.registers.gravity) * dt_s;
-    let turn = math::length(spin(state, body)) * reach_m(state, body);
-    own.grown((speed + fall + turn) * dt_s + LOOSE_MARGIN_M + PAIR_MARGIN_M)
+    let speed = math::length(state.bodies.momentum[body].velocity) + fall + gained;
+    let spun = if load.torque == glam::Vec3::ZERO {
+        0.0
+    } else {
+        math::length(mass.inverse_inertia(state.bodies.pose[body].quat()) * load.torque) * dt_s
+    };
+    let turn = math::min(math::length(spin(state, body)) + spun, SPIN_MAX) * reach_m(state, body);
+    own.grown((math::min(speed, SPEED_MAX) + turn) * dt_s + LOOSE_MARGIN_M + PAIR_MARGIN_M)
 }
 
 /// A box around all that a driven body may touch in the frame.

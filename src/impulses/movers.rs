@@ -89,18 +89,31 @@ fn angular_begun(state: &State, body: usize) -> Vec3 {
     angular_after(state, body, before, change)
 }
 
-/// Stops a body whose masses, speeds and arms made numbers that f32 does not hold.
-fn keep_finite(state: &mut State, body: usize) {
-    let is_finite = |mover: &Mover| mover.velocity.is_finite() && mover.spin.is_finite();
-    if is_finite(&state.rows.begun[body]) && is_finite(&state.rows.movers[body]) {
+/// Slows a body that forces and impulses made faster than any scene needs, and stops one whose masses, speeds
+/// and arms made numbers that f32 does not hold.
+fn keep_slow(state: &mut State, body: usize) {
+    let is_slow = |mover: &Mover| {
+        mover.velocity.length_squared() <= SPEED_MAX * SPEED_MAX
+            && mover.spin.length_squared() <= SPIN_MAX * SPIN_MAX
+    };
+    if is_slow(&state.rows.begun[body]) && is_slow(&state.rows.movers[body]) {
         return;
     }
+    let is_finite = |mover: &Mover| mover.velocity.is_finite() && mover.spin.is_finite();
+    let finite = is_finite(&state.rows.begun[body]) && is_finite(&state.rows.movers[body]);
     for mover in [&mut state.rows.begun[body], &mut state.rows.movers[body]] {
-        mover.velocity = Vec3::ZERO;
-        mover.spin = Vec3::ZERO;
+        if finite {
+            mover.velocity = at_most(mover.velocity, SPEED_MAX);
+            mover.spin = at_most(mover.spin, SPIN_MAX);
+        } else {
+            mover.velocity = Vec3::ZERO;
+            mover.spin = Vec3::ZERO;
+        }
     }
-    state.bodies.momentum[body].velocity = Vec3::ZERO;
-    state.bodies.momentum[body].angular = Vec3::ZERO;
+    if !finite {
+        state.bodies.momentum[body].velocity = Vec3::ZERO;
+        state.bodies.momentum[body].angular = Vec3::ZERO;
+    }
 }
 
 /// The velocity that a body sets out with on its way through a stretch. At even speed it is the one at the
@@ -116,7 +129,7 @@ fn setting_out(state: &State, body: usize) -> Vec3 {
 /// Writes down where a loose body is at the end of a stretch, given its motion at both ends: velocity and
 /// angular momentum change evenly in between.
 pub(super) fn aim(state: &mut State, body: usize, stretch: &Stretch) {
-    keep_finite(state, body);
+    keep_slow(state, body);
     let from = centre_pose(state, body);
     let (begun, ended) = (state.rows.begun[body], state.rows.movers[body]);
     let before = angular_begun(state, body);

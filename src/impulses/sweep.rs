@@ -53,7 +53,7 @@ pub(super) fn begin(state: &mut State, island: u32, purse: &mut Purse) -> bool {
 }
 
 /// The box of a piece of a loose body where it is now.
-fn loose_bounds(state: &State, piece: usize, body: usize) -> Bounds {
+pub(super) fn loose_bounds(state: &State, piece: usize, body: usize) -> Bounds {
     let pose = state.bodies.pose[body].then(&state.pieces.local[piece]);
     Bounds::of(&state.pieces.shape[piece], &pose)
 }
@@ -306,7 +306,7 @@ fn start(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mut Purse) 
         let pair = state.islands.pairs[index];
         let way = way_m(state, pair.a as usize, stretch) + way_m(state, pair.b as usize, stretch);
         let slack = pair.gap - floor_m(state, &pair, stretch);
-        state.islands.pairs[index].clear_until = if is_unsure(state, &pair) {
+        state.islands.pairs[index].clear_until = if is_unsure(state, &pair, stretch) {
             0.0
         } else if way < LOOSE_STILL_M {
             1.0
@@ -318,9 +318,16 @@ fn start(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mut Purse) 
     }
 }
 
-/// Whether a pair's other piece is a driven one of another island, which may yet stop anywhere on its way.
-fn is_unsure(state: &State, pair: &Pair) -> bool {
-    pair.foreign == 1 && state.pieces.body_kind[pair.b as usize] == BodyKind::Driven.code()
+/// Whether a loose body moves towards a driven one of another island, which may yet stop anywhere on its way.
+/// It is outside the box around that way so far, and stays there when it stops.
+pub(super) fn is_unsure(state: &State, pair: &Pair, stretch: &Stretch) -> bool {
+    pair.foreign == 1
+        && state.pieces.body_kind[pair.b as usize] == BodyKind::Driven.code()
+        && !is_stopped(
+            state,
+            state.pieces.body[pair.a as usize] as usize,
+            stretch.from,
+        )
 }
 
 /// Carries what is known of the gaps over to a stretch that begins at the share `reached` of this one: what
@@ -366,7 +373,7 @@ fn floor_m(state: &State, pair: &Pair, stretch: &Stretch) -> f32 {
 /// Certifies a pair beyond `time`; true when it cannot be, so that it blocks the way.
 fn certify(state: &mut State, index: usize, stretch: &Stretch, time: f32) -> bool {
     let pair = state.islands.pairs[index];
-    if is_unsure(state, &pair) {
+    if is_unsure(state, &pair, stretch) {
         return true;
     }
     let moving = moving_pair(state, &pair, stretch);
