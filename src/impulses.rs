@@ -150,6 +150,10 @@ impl Loose<'_> {
     /// Moves an island to the end of the frame.
     pub(crate) fn run(&mut self, state: &mut State, mut island: Island, report: &mut FrameReport) {
         if replanned(state, island.stretch.island as usize) && island.pairs.is_some() {
+            island.end_at(
+                state,
+                next_break(state, island.stretch.island as usize, 0.0),
+            );
             island.pairs = None;
             if sweep::begin(state, island.stretch.island, &mut self.purse) {
                 island.update(state, &mut self.purse, report);
@@ -220,6 +224,16 @@ impl Island {
             }
         }
         self.stretch.from
+    }
+
+    /// Ends the stretch at a break that came into it, after its event was answered.
+    fn end_at(&mut self, state: &mut State, time: f32) {
+        if time < self.stretch.to {
+            let Stretch { from, to, .. } = self.stretch;
+            respond::shorten(state, self.rows, &self.stretch, (time - from) / (to - from));
+            self.stretch.to = time;
+            islands::aim(state, &self.stretch);
+        }
     }
 
     /// Goes on without answering an event: who blocked the way waits for the next frame, with what speed it

@@ -502,3 +502,88 @@ fn a_force_that_takes_a_body_to_a_hand_far_away_does_not_hold_up_the_frame() {
         }
     }
 }
+
+#[test]
+fn what_falls_beside_more_contacts_than_there_is_room_for_stops_at_the_floor() {
+    let capacities = Capacities {
+        contacts: 1,
+        ..SMALL
+    };
+    let mut cut = false;
+    for step in 0..40_u8 {
+        let mut block = Block::new(&capacities);
+        let mut world = World::create(block.bytes(), &capacities).unwrap();
+        surface(&mut world, 0.0, 0.5);
+        floor(&mut world);
+        let first = 0.3 + 0.005 * f32::from(step);
+        let balls = [first, first + 0.02, first + 0.04].map(|height| {
+            let x = 10.0 * (height - first);
+            ball(&mut world, BodyKind::Dynamic, [x, height, 0.0], 0.05)
+        });
+        for frame in 0..60 {
+            let report = world.step(&FrameInput::unlimited(FRAME_S));
+            cut |= report.flags & FrameReport::FULL_CONTACTS != 0;
+            for body in balls {
+                let above = position(&world, body)[1] - 0.05;
+                assert!(above > -1e-4, "{step} {frame}: {above} m");
+            }
+        }
+    }
+    assert!(cut, "there was always room");
+}
+
+/// Numbers in -1..1 from a seed.
+fn noise(seed: &mut u32) -> f32 {
+    *seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+    (*seed >> 8) as f32 / 8_388_608.0 - 1.0
+}
+
+/// A hand of two balls presses another ball into a corner. It meets the walls itself while it gives way, so
+/// that its ways have several legs.
+#[test]
+fn a_hand_that_gives_way_beside_walls_does_not_enter_what_it_presses() {
+    for seed in 0..400 {
+        let mut draw = seed * 7919 + 1;
+        let mut block = Block::new(&SMALL);
+        let mut world = World::create(block.bytes(), &SMALL).unwrap();
+        surface(&mut world, 0.0, 0.5);
+        let corner = world
+            .add_body(&BodyDef::new(BodyKind::Fixed, Pose::IDENTITY))
+            .unwrap();
+        for (at, half) in [
+            ([0.0, -0.1, 0.0], [1.0, 0.1, 1.0]),
+            ([-0.1, 0.0, 0.0], [0.1, 1.0, 1.0]),
+            ([0.0, 0.0, -0.1], [1.0, 1.0, 0.1]),
+        ] {
+            let mut wall = PieceDef::new(Shape::Box(half), 0.0);
+            wall.local = Pose::at(at[0], at[1], at[2]);
+            add_piece(&mut world, corner, &wall);
+        }
+        let pressed = ball(
+            &mut world,
+            BodyKind::Dynamic,
+            [0.0503, 0.0503, 0.0503],
+            0.05,
+        );
+        let hand = ball(&mut world, BodyKind::Driven, [0.2, 0.2, 0.2], 0.04);
+        let mut thumb = PieceDef::new(Shape::Point, 0.03);
+        thumb.local = Pose::at(0.1, 0.02, 0.0);
+        let thumb = add_piece(&mut world, hand, &thumb);
+        for frame in 0..40 {
+            let near = |draw: &mut u32| 0.06 + 0.12 * noise(draw);
+            let (x, y, z) = (near(&mut draw), near(&mut draw), near(&mut draw));
+            let mut target = Pose::at(x, y, z);
+            let [a, b, c] = [(); 3].map(|()| 0.5 * noise(&mut draw));
+            target.rotation = [a, b, c, (1.0 - a * a - b * b - c * c).sqrt()];
+            world.set_target(hand, &target).unwrap();
+            world.step(&FrameInput::unlimited(FRAME_S));
+            let at = position(&world, pressed);
+            let tip = world.piece_pose(thumb).unwrap().position.map(f64::from);
+            for (part, radius) in [(position(&world, hand), 0.04), (tip, 0.03)] {
+                let away: f64 = (0..3).map(|i| (part[i] - at[i]).powi(2)).sum();
+                let gap = away.sqrt() - 0.05 - radius;
+                assert!(gap > -1e-4, "{seed} {frame}: {gap} m");
+            }
+        }
+    }
+}

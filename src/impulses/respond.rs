@@ -471,6 +471,21 @@ fn push_target(row: &Row, spare: f32, begun: f32, even: bool, stretch: &Stretch)
     math::max(target, restoring(row.gap, stretch))
 }
 
+/// Leaves only a share of what the forces of a stretch do.
+pub(super) fn shorten(state: &mut State, rows: usize, stretch: &Stretch, share: f32) {
+    for row in &mut state.rows.rows[..rows] {
+        row.impulse *= share;
+    }
+    let mut next = Some(stretch.island as usize);
+    while let Some(body) = next {
+        next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
+        let begun = state.rows.begun[body];
+        let mover = &mut state.rows.movers[body];
+        mover.velocity = begun.velocity + (mover.velocity - begun.velocity) * share;
+        mover.spin = begun.spin + (mover.spin - begun.spin) * share;
+    }
+}
+
 /// The share of a stretch for which the contacts are where they were found: until a body that is pushed off
 /// its centre has turned by [`CONTACT_TURN_RAD`].
 pub(super) fn holds_for(state: &State, rows: usize, stretch: &Stretch) -> f32 {
