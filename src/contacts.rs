@@ -13,11 +13,14 @@ use crate::geometry::separation::{separation, separation_from};
 use crate::geometry::union::{
     NODES_USUAL, UNION_PAIRS_MAX, UnionPair, UnionScratch, least_translation,
 };
-use crate::limits::{GAP_REST_M, GAP_TOUCHING_M, WAY_OUT_PAIR_UNITS, WAY_OUT_UNITS, WORLD_REACH_M};
+use crate::limits::{
+    GAP_REST_M, GAP_TOUCHING_M, OVERLAP_SLOP_M, WAY_OUT_PAIR_UNITS, WAY_OUT_UNITS, WORLD_REACH_M,
+};
 use crate::math::Pose;
 use crate::state::State;
+use crate::state::bodies::is_loose_kind;
 use crate::state::contacts::{self, ContactPoint, Pair};
-use crate::state::pieces::Bounds;
+use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::purse::Purse;
 use crate::state::ways::{Position, is_own, obstacle_bounds, obstacle_pose, piece_pose};
 
@@ -67,6 +70,43 @@ pub(crate) fn is_clear(
     purse: &mut Purse,
 ) -> Option<bool> {
     Some(deepest_gap(state, pairs, at, purse)? > 0.0)
+}
+
+/// Whether a driven body is clear of loose ones but for the slop; false, too, when the units ran out. Spends
+/// a distance query a pair of pieces whose boxes overlap there.
+pub(crate) fn is_clear_of_loose(
+    state: &State,
+    body: usize,
+    at: &Position,
+    purse: &mut Purse,
+) -> bool {
+    let own = PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]);
+    own.into_iter().all(|a| {
+        let pose = piece_pose(state, a, at);
+        let shape = &state.pieces.shape[a];
+        let bounds = Bounds::of(shape, &pose);
+        (0..state.registers.piece_slots as usize).all(|b| {
+            if !is_loose_kind(state.pieces.body_kind[b]) {
+                return true;
+            }
+            let loose = state.bodies.pose[state.pieces.body[b] as usize];
+            let other = loose.then(&state.pieces.local[b]);
+            let other_shape = &state.pieces.shape[b];
+            if bounds.gap(&Bounds::of(other_shape, &other)) >= 0.0 {
+                return true;
+            }
+            purse.take(contacts::query_units(shape, other_shape))
+                && separation(
+                    &state.pools.convex(shape),
+                    &state.pools.convex(other_shape),
+                    &pose,
+                    &other,
+                    Vec3::ZERO,
+                )
+                .gap_m
+                    > -OVERLAP_SLOP_M
+        })
+    })
 }
 
 /// The moving piece's pose where the body is.

@@ -49,7 +49,7 @@ pub(crate) fn run(state: &mut State, spending: &Spending, report: &mut FrameRepo
             settled::repeat(state, body)
         } else {
             state.bodies.settled[body].first_contact = state.registers.contacts;
-            let flags = go(state, body, &mut purses);
+            let flags = go(state, body, spending.dt_s, &mut purses);
             settled::note(state, body, flags);
             flags
         };
@@ -168,26 +168,71 @@ pub(crate) fn lean(state: &mut State) {
 
 /// Has bodies with balls that loose objects stopped on their way stop where every ball is within its cone:
 /// between two postures that are, the angles pass through others.
-pub(crate) fn stop_within_cones(state: &mut State) {
+///
+/// The balls are taken into their cones where the body stopped, if it is clear of everything then. Else it stops
+/// earlier on its way, where a loose body may have followed it.
+pub(crate) fn stop_within_cones(state: &mut State, spending: &Spending, report: &mut FrameReport) {
     for body in 0..state.registers.body_slots as usize {
         let stop = state.legs.stop_time[body];
         let is_driven = state.bodies.kind[body] == BodyKind::Driven.code();
-        if !is_driven || stop >= 1.0 || !has_chains(state, body) {
+        if !is_driven || stop <= 0.0 || stop >= 1.0 || !has_chains(state, body) {
             continue;
         }
         let at = driven_at(state.legs.of(body), &state.bodies.pose[body], stop);
         let safe = reach::within_cones(state, body, at.leg, at.share);
         if safe < at.share {
-            let legs = state.legs.of(body);
-            let begun = at
-                .leg
-                .checked_sub(1)
-                .map_or(0.0, |before| legs[before].end_time);
-            let leg = &legs[at.leg];
-            let part = safe / leg.reached;
-            state.legs.stop_time[body] = begun + (leg.end_time - begun) * part;
+            let mut purses = purses(spending, report);
+            if !bend_into_cones(state, body, &at, &mut purses.units) {
+                stop_earlier(state, body, &at, safe);
+            }
+            purses.book(0, report);
         }
     }
+}
+
+/// Takes the balls of a body into their cones where it is on its way; false when it is not clear then, or the
+/// units ran out.
+fn bend_into_cones(state: &mut State, body: usize, at: &Position, purse: &mut Purse) -> bool {
+    let bent = Position {
+        leg: at.leg + 1,
+        share: 0.0,
+        ..*at
+    };
+    let clear = reach::bend_into_cones(state, body, at, bent.leg)
+        && pays_for_pairs(state, body, purse)
+        && is_clear_of_all(state, body, &bent, purse);
+    if clear {
+        reach::copy_posture(state, body, bent.leg, at.leg);
+    }
+    clear
+}
+
+/// Whether a body is clear of everything at a place; false, too, when there are no units to tell.
+fn is_clear_of_all(state: &mut State, body: usize, at: &Position, purse: &mut Purse) -> bool {
+    let Ok(pairs) = pairs::collect_driven(state, body, &at.still()) else {
+        return false;
+    };
+    contacts::is_clear(state, pairs, at, purse) == Some(true)
+        && contacts::is_clear_of_loose(state, body, at, purse)
+}
+
+/// Has a body stop at an earlier share of the leg on which it was stopped.
+fn stop_earlier(state: &mut State, body: usize, at: &Position, share: f32) {
+    let legs = state.legs.of(body);
+    let begun = at
+        .leg
+        .checked_sub(1)
+        .map_or(0.0, |before| legs[before].end_time);
+    let leg = &legs[at.leg];
+    let part = share / leg.reached;
+    state.legs.stop_time[body] = begun + (leg.end_time - begun) * part;
+}
+
+/// Takes the units for collecting a body's pairs; false when there are too few.
+fn pays_for_pairs(state: &State, body: usize, purse: &mut Purse) -> bool {
+    let own = PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]).count();
+    let tests = own * state.registers.piece_slots as usize;
+    purse.take_parts(2 * own as u32 + box_parts(tests))
 }
 
 /// How many chains of a body were left without the steps that they asked for.
@@ -264,8 +309,9 @@ fn frame_flags(flags: u32) -> u32 {
         | says(DrivenReport::OVERLAPS, FrameReport::OVERLAP)
 }
 
-/// Puts a detached body at its tracker when its coupling says so and nothing is in the way there.
-fn snap(state: &mut State, body: usize, purse: &mut Purse) -> Option<u32> {
+/// Puts a detached body at its tracker when its coupling says so and nothing is in the way there, nor may come
+/// there within the frame: a body that is put somewhere cannot be stopped on its way.
+fn snap(state: &mut State, body: usize, dt_s: f32, purse: &mut Purse) -> Option<u32> {
     let coupling = state.bodies.coupling[body];
     let away = math::length(state.bodies.displacement[body].offset);
     if coupling.snap != Coupling::SNAP_WHEN_FREE || away <= coupling.divergence_m {
@@ -280,7 +326,9 @@ fn snap(state: &mut State, body: usize, purse: &mut Purse) -> Option<u32> {
     reach::propose(state, body, 0);
     let count = pairs::collect_driven(state, body, &track(&target, &target)).ok()?;
     let measured = contacts::measure_touching(state, count, &target, purse);
-    let free = measured && !contacts::touches_any(state, count) && !pairs::loose_near(state, body);
+    let free = measured
+        && !contacts::touches_any(state, count)
+        && !impulses::may_come(state, &state.legs.whole[body], dt_s);
     if !free {
         return None;
     }
@@ -295,7 +343,7 @@ fn snap(state: &mut State, body: usize, purse: &mut Purse) -> Option<u32> {
 }
 
 /// Plans and walks the legs of one body's way; the flags to report.
-fn go(state: &mut State, body: usize, purses: &mut Purses) -> u32 {
+fn go(state: &mut State, body: usize, dt_s: f32, purses: &mut Purses) -> u32 {
     clear_chain_reports(state, body);
     let start = Position {
         root: state.bodies.pose[body],
@@ -313,7 +361,7 @@ fn go(state: &mut State, body: usize, purses: &mut Purses) -> u32 {
     if rests && state.registers.disturbed == 0 {
         return 0;
     }
-    if let Some(flags) = snap(state, body, &mut purses.units) {
+    if let Some(flags) = snap(state, body, dt_s, &mut purses.units) {
         return flags;
     }
     match walk(state, body, start, wanted, purses) {
@@ -445,9 +493,7 @@ impl Walk {
 
     /// Takes the units for collecting pairs once more; false when there are too few.
     fn pays_for_pairs(&mut self, state: &State, purse: &mut Purse) -> bool {
-        let own = PiecesOf::new(state.pieces.next, state.bodies.first_piece[self.body]).count();
-        let tests = own * state.registers.piece_slots as usize;
-        let paid = purse.take_parts(2 * own as u32 + box_parts(tests));
+        let paid = pays_for_pairs(state, self.body, purse);
         if !paid {
             self.flags |= DrivenReport::CUT;
         }

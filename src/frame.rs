@@ -42,6 +42,8 @@ pub(crate) struct Spending<'a> {
     pub budget: Budget,
     pub costs: CostTable,
     pub account: &'a Account<'a>,
+    /// The time step.
+    pub dt_s: f32,
     /// What the viewer looks at.
     pub focus: Option<Vec3>,
 }
@@ -68,6 +70,7 @@ pub(crate) fn step(state: &mut State, input: &FrameInput, clock: Option<Clock>) 
         budget: input.budget,
         costs: input.deadline.map_or(CostTable::default(), |d| d.costs),
         account: &account,
+        dt_s,
         focus: input.focus.map(Vec3::from_array).filter(|f| f.is_finite()),
     };
     state.registers.contacts = 0;
@@ -77,13 +80,13 @@ pub(crate) fn step(state: &mut State, input: &FrameInput, clock: Option<Clock>) 
     }
     driven::run(state, &spending, &mut report);
     account.next_stage();
-    if let Some(mut loose) = impulses::begin(state, dt_s, &spending) {
+    if let Some(mut loose) = impulses::begin(state, &spending) {
         while let Some(island) = loose.next(state, &mut report) {
             driven::give_way(state, &spending, &mut report);
             loose.run(state, island, &mut report);
         }
         loose.end(state, &mut report);
-        driven::stop_within_cones(state);
+        driven::stop_within_cones(state, &spending, &mut report);
         driven::lean(state);
     }
     publish::run(state, dt_s);

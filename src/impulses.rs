@@ -71,11 +71,7 @@ pub(crate) struct Island {
 }
 
 /// Finds the islands of a frame; `None` when nothing is to move.
-pub(crate) fn begin<'a>(
-    state: &mut State,
-    dt_s: f32,
-    spending: &Spending<'a>,
-) -> Option<Loose<'a>> {
+pub(crate) fn begin<'a>(state: &mut State, spending: &Spending<'a>) -> Option<Loose<'a>> {
     if state.registers.loose == 0 {
         return None;
     }
@@ -83,7 +79,7 @@ pub(crate) fn begin<'a>(
         state.bodies.hosted[body] = HostedImpulse::default();
         state.islands.gives[body] = GiveWay::default();
     }
-    let awake = islands::find(state, dt_s);
+    let awake = islands::find(state, spending.dt_s);
     for yielding in state.bodies.yielding.iter_mut() {
         if yielding.leans == 0 {
             yielding.reaction = Vec3::ZERO;
@@ -93,7 +89,7 @@ pub(crate) fn begin<'a>(
         return None;
     }
     Some(Loose {
-        dt_s,
+        dt_s: spending.dt_s,
         purse: Purse::new(
             spending.account,
             spending.costs.impulse_unit_ns,
@@ -109,6 +105,13 @@ pub(crate) fn is_awake(state: &State) -> bool {
     state.registers.loose > 0
         && (0..state.registers.body_slots as usize)
             .any(|body| is_loose(state, body) && state.bodies.momentum[body].asleep == 0)
+}
+
+/// Whether a loose body may come into a box within the frame, impulses aside.
+pub(crate) fn may_come(state: &State, bounds: &Bounds, dt_s: f32) -> bool {
+    (0..state.registers.body_slots as usize).any(|body| {
+        is_loose(state, body) && islands::near_loose(state, body, dt_s).overlaps(bounds)
+    })
 }
 
 /// Whether a piece of a loose body is in a box where the body is now.

@@ -11,7 +11,7 @@ use core::ops::Range;
 use crate::limits::PAIR_MARGIN_M;
 use crate::math;
 use crate::state::State;
-use crate::state::bodies::{BodyKind, is_loose_kind};
+use crate::state::bodies::BodyKind;
 use crate::state::chains::has_chains;
 use crate::state::contacts::{PairsFull, push};
 use crate::state::pieces::{Bounds, PiecesOf};
@@ -171,12 +171,4 @@ pub(crate) fn cover(state: &State, body: usize, track: &BodyTrack) -> bool {
             known.contains(&swept_bounds(state, piece, &motion))
         }
     }) && own::cover(state, body, track)
-}
-
-/// Whether a piece of a loose body is near the box around a driven body's way.
-pub(crate) fn loose_near(state: &State, body: usize) -> bool {
-    let whole = state.legs.whole[body];
-    (0..state.registers.piece_slots as usize).any(|piece| {
-        is_loose_kind(state.pieces.body_kind[piece]) && state.pieces.bounds[piece].overlaps(&whole)
-    })
 }

@@ -14,7 +14,9 @@ mod root;
 mod skeleton;
 mod touch;
 
-pub(crate) use skeleton::{hold_blocked, propose, stay, within_cones};
+pub(crate) use skeleton::{
+    bend_into_cones, copy_posture, hold_blocked, propose, stay, within_cones,
+};
 
 use root::HalfSpaces;
 

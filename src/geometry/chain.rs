@@ -49,7 +49,7 @@ pub struct Ball {
 const BALL_HINGES: usize = 3;
 
 /// What counts as on the boundary of a reach cone, in radians: some units of rounding.
-const BOUNDARY_RAD: f32 = 1e-6;
+pub(crate) const BOUNDARY_RAD: f32 = 1e-6;
 
 /// Below this sine of the angle to a pole the first angle has no say.
 const POLE_SINE: f32 = 1e-6;

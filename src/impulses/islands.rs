@@ -49,7 +49,7 @@ fn is_up(state: &State, body: usize) -> bool {
 }
 
 /// A box around all that a loose body may touch in the frame, impulses aside.
-fn near_loose(state: &State, body: usize, dt_s: f32) -> Bounds {
+pub(super) fn near_loose(state: &State, body: usize, dt_s: f32) -> Bounds {
     let mut own = Bounds::EMPTY;
     for piece in PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]) {
         own = own.union(state.pieces.bounds[piece]);

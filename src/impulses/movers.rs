@@ -301,10 +301,14 @@ pub(super) fn stop_blocked(state: &mut State, blocked: usize, time: f32) {
 }
 
 /// Has the bodies of the pair that blocked the way wait for the next frame: the driven one, or else the loose
-/// ones, with what speed they have.
+/// ones, with what speed they have. A body of another island is let be.
 pub(super) fn wait_blocked(state: &mut State, blocked: usize, time: f32) {
     let pair = state.islands.pairs[blocked];
     let bodies = [pair.a, pair.b].map(|piece| state.pieces.body[piece as usize] as usize);
+    if pair.foreign == 1 {
+        state.legs.stop_time[bodies[0]] = math::min(state.legs.stop_time[bodies[0]], time);
+        return;
+    }
     let driven = |body: &usize| state.bodies.kind[*body] == BodyKind::Driven.code();
     let stops = |state: &mut State, body: usize| {
         let stop = &mut state.legs.stop_time[body];

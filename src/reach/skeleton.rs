@@ -6,14 +6,15 @@ use arrayvec::ArrayVec;
 use super::limb::{self, Limb, Solved};
 use super::root::{self, HalfSpaces};
 use super::{Hold, Plan};
-use crate::geometry::chain::limb_at;
+use crate::geometry::chain::{BOUNDARY_RAD, limb_at};
 use crate::geometry::linkage::angle_at;
 use crate::geometry::motion::interpolate;
-use crate::limits::{CHAINS_PER_BODY_MAX, GAP_FLOOR_M, GAP_REST_M};
+use crate::limits::{CHAIN_HINGES_MAX, CHAINS_PER_BODY_MAX, GAP_FLOOR_M, GAP_REST_M};
 use crate::math;
 use crate::state::State;
 use crate::state::chains::{
-    ChainOptions, ChainReport, End, chains_of, cone_slot, joints_of, place_links, slot_range,
+    ChainOptions, ChainReport, End, ball_at, chains_of, cone_slot, joints_of, place_links,
+    slot_range,
 };
 use crate::state::contacts::least_certified;
 use crate::state::purse::Purse;
@@ -73,6 +74,56 @@ pub(crate) fn within_cones(state: &State, body: usize, leg: usize, reached: f32)
     0.0
 }
 
+/// Writes the posture that a body has on its way, with its balls taken into their cones, where it is to be as
+/// another leg's; false when there is none within the ranges.
+pub(crate) fn bend_into_cones(state: &mut State, body: usize, at: &Position, leg: usize) -> bool {
+    let (slot, into) = (
+        slot_range(state, at.leg).start,
+        slot_range(state, leg).start,
+    );
+    let chains: Chains = chains_of(state, body).collect();
+    let mut all = true;
+    for chain in chains {
+        let joints = joints_of(state, chain);
+        let mut angles: ArrayVec<f32, CHAIN_HINGES_MAX> = joints
+            .clone()
+            .map(|joint| {
+                let at_joint = slot + joint;
+                angle_at(state.ways.from[at_joint], state.ways.to[at_joint], at.share)
+            })
+            .collect();
+        for joint in joints.clone() {
+            if let Some(ball) = ball_at(state, joint, joints.start) {
+                all &= ball.kept_with(&state.joints.hinge[joints.clone()], &mut angles);
+            }
+        }
+        for (joint, angle) in joints.zip(angles) {
+            state.ways.from[into + joint] = angle;
+            state.ways.to[into + joint] = angle;
+        }
+    }
+    place_links(state, body, leg, End::From);
+    place_links(state, body, leg, End::To);
+    all
+}
+
+/// Gives a body the posture of one leg all along another.
+pub(crate) fn copy_posture(state: &mut State, body: usize, leg: usize, into: usize) {
+    let (slot, into) = (slot_range(state, leg).start, slot_range(state, into).start);
+    let chains: Chains = chains_of(state, body).collect();
+    for chain in chains {
+        for joint in joints_of(state, chain) {
+            let (from, to) = (slot + joint, into + joint);
+            for angle in [&mut *state.ways.from, &mut *state.ways.to] {
+                angle[to] = angle[from];
+            }
+            for link in [&mut *state.ways.from_link, &mut *state.ways.to_link] {
+                link[to] = link[from];
+            }
+        }
+    }
+}
+
 /// How often the share of a leg is halved to bring balls into their cones.
 const CONE_HALVINGS_MAX: u32 = 10;
 
@@ -82,8 +133,13 @@ fn are_within_cones(state: &State, body: usize, leg: usize, share: f32) -> bool 
         joints_of(state, chain).all(|joint| {
             let at = slot + joint;
             let angle = |at: usize| angle_at(state.ways.from[at], state.ways.to[at], share);
+            let rests = |at: usize| state.ways.from[at] == state.ways.to[at];
+            // A ball that does not swing is as near to its cone's edge as it was.
             state.joints.ball[joint] == 0
-                || state.joints.cone[cone_slot(joint)].contains(limb_at(angle(at), angle(at + 1)))
+                || (rests(at) && rests(at + 1))
+                || state.joints.cone[cone_slot(joint)]
+                    .outside_rad(limb_at(angle(at), angle(at + 1)))
+                    <= BOUNDARY_RAD
         })
     })
 }
