@@ -624,3 +624,49 @@ fn a_hand_whose_wrist_is_at_the_edge_of_its_cone_does_not_enter_what_it_presses(
         press_into_a_corner(seed, true);
     }
 }
+
+/// Under a slot that the hand is too wide for, its tracker above it; a small ball flies through where the hand
+/// is to be put, and on through the slot to where it is. There is no room for contacts, so nothing bounces.
+#[test]
+fn a_hand_is_not_put_where_something_flies_by() {
+    for step in 0..40_u8 {
+        let capacities = Capacities {
+            contacts: 0,
+            ..SMALL
+        };
+        let mut block = Block::new(&capacities);
+        let mut world = World::create(block.bytes(), &capacities).unwrap();
+        world.set_gravity([0.0; 3]);
+        for x in [-0.56, 0.56] {
+            let half = [0.5, 0.01, 0.5];
+            add_box(&mut world, BodyKind::Fixed, Pose::at(x, 0.0, 0.0), half);
+        }
+        let coupling = Coupling {
+            divergence_m: 0.1,
+            snap: Coupling::SNAP_WHEN_FREE,
+            ..Coupling::DEFAULT
+        };
+        let def = BodyDef {
+            coupling,
+            ..BodyDef::new(BodyKind::Driven, Pose::at(0.0, -0.3, 0.0))
+        };
+        let hand = world.add_body(&def).unwrap();
+        add_piece(&mut world, hand, &PieceDef::new(Shape::Point, 0.1));
+        let small = ball(&mut world, BodyKind::Dynamic, [0.0, 0.3, 0.0], 0.03);
+        for frame in 0..10 {
+            world.set_target(hand, &Pose::at(0.0, 0.3, 0.0)).unwrap();
+            if frame == 5 {
+                let speed = 100.0 + f32::from(step);
+                world.place_body(small, &Pose::at(0.0, 2.0, 0.0)).unwrap();
+                world
+                    .set_velocity(small, [0.0, -speed, 0.0], [0.0; 3])
+                    .unwrap();
+            }
+            world.step(&FrameInput::unlimited(FRAME_S));
+            let apart = position(&world, small)[1] - position(&world, hand)[1];
+            assert!(apart.abs() > 0.13 - 1e-4, "{step} {frame}: {apart} m");
+            let stopped_by_nothing = frame == 5 && apart > 0.2;
+            assert!(!stopped_by_nothing, "{step}: {apart} m");
+        }
+    }
+}
