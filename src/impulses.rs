@@ -41,6 +41,8 @@ pub(crate) struct Stretch {
     pub from: f32,
     pub to: f32,
     pub dt_s: f32,
+    /// Whether driven bodies may still plan other ways: in an island's first event.
+    pub is_first: bool,
     /// The island's label.
     pub island: u32,
     /// Where its touches begin, and how many there were in the frame before.
@@ -133,6 +135,7 @@ impl Loose<'_> {
             from: 0.0,
             to: next_break(state, label, 0.0),
             dt_s: self.dt_s,
+            is_first: true,
             island: label as u32,
             first_touch: state.registers.touches as usize,
             touches_before: self.touches_before,
@@ -152,6 +155,7 @@ impl Loose<'_> {
 
     /// Moves an island to the end of the frame.
     pub(crate) fn run(&mut self, state: &mut State, mut island: Island, report: &mut FrameReport) {
+        island.stretch.is_first = false;
         if replanned(state, island.stretch.island as usize) && island.pairs.is_some() {
             island.end_at(
                 state,

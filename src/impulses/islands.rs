@@ -4,6 +4,7 @@ use super::Stretch;
 use super::movers::{self, centre_pose, keep_sane, reach_m, spin};
 use crate::limits::{LOOSE_MARGIN_M, PAIR_MARGIN_M, SLEEP_S, SPEED_MAX, SPIN_MAX, STILL_SPEED};
 use crate::math;
+use crate::publish;
 use crate::state::State;
 use crate::state::bodies::{BodyKind, is_body_of, is_loose};
 use crate::state::islands::Members;
@@ -233,6 +234,8 @@ fn fall_asleep(state: &mut State, island: usize) {
             momentum.nap = island as u32;
             momentum.velocity = glam::Vec3::ZERO;
             momentum.angular = glam::Vec3::ZERO;
+            // Sleepers are not published again, and this one moved in this frame.
+            publish::place_pieces(state, body);
         } else if touches(state, body) && state.legs.count[body] == 0 {
             state.bodies.yielding[body].leans = 1;
         }

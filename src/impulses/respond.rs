@@ -33,7 +33,7 @@ const MEMBER_PARTS: usize = 3;
 /// Gives the bodies of an island their motion at the start and the end of a stretch; how many impulses
 /// that took. In the first event of a frame, driven bodies may give way.
 pub(super) fn run(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut Purse) -> u32 {
-    let first = stretch.from == 0.0;
+    let first = stretch.is_first;
     if first {
         begin_giving(state, stretch);
     }
@@ -115,7 +115,7 @@ fn problem<'s>(state: &'s mut State, rows: usize, stretch: &Stretch) -> Problem<
 
 /// Whether a driven body takes part with a mass in this stretch.
 fn gives(state: &State, body: u32, stretch: &Stretch) -> bool {
-    stretch.from == 0.0
+    stretch.is_first
         && is_driven(state, body)
         && state.bodies.yielding[body as usize].level > 0
         && state.legs.stop_time[body as usize] > stretch.from
@@ -178,7 +178,7 @@ fn keep_finite(state: &mut State, rows: usize) {
 /// Has driven bodies give way, or stop; false when all that push have. What stands still leaves every
 /// object a way to be.
 fn step_back(state: &mut State, rows: usize, stretch: &Stretch) -> bool {
-    (stretch.from == 0.0 && raise(state, rows)) || stop(state, rows, stretch)
+    (stretch.is_first && raise(state, rows)) || stop(state, rows, stretch)
 }
 
 fn copy_begun(state: &mut State, stretch: &Stretch) {
