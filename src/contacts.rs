@@ -72,6 +72,35 @@ pub(crate) fn is_clear(
     Some(deepest_gap(state, pairs, at, purse)? > 0.0)
 }
 
+/// Whether the links of a body are clear of each other but for the slop; false, too, when the units ran out.
+/// Spends a distance query a pair of its own pieces whose boxes overlap.
+pub(crate) fn is_clear_of_itself(
+    state: &State,
+    pairs: usize,
+    at: &Position,
+    purse: &mut Purse,
+) -> bool {
+    let own = state.pairs.list[..pairs]
+        .iter()
+        .filter(|pair| is_own(state, pair));
+    own.into_iter().all(|pair| {
+        let pieces = [pair.a as usize, pair.b as usize];
+        let [a, b] = pieces.map(|piece| &state.pieces.shape[piece]);
+        let [pose_a, pose_b] = pieces.map(|piece| piece_pose(state, piece, &at.in_root()));
+        Bounds::of(a, &pose_a).gap(&Bounds::of(b, &pose_b)) >= 0.0
+            || (purse.take(contacts::query_units(a, b))
+                && separation(
+                    &state.pools.convex(a),
+                    &state.pools.convex(b),
+                    &pose_a,
+                    &pose_b,
+                    Vec3::ZERO,
+                )
+                .gap_m
+                    > -OVERLAP_SLOP_M)
+    })
+}
+
 /// Whether a driven body is clear of loose ones but for the slop; false, too, when the units ran out. Spends
 /// a distance query a pair of pieces whose boxes overlap there.
 pub(crate) fn is_clear_of_loose(

@@ -4,8 +4,11 @@
 //! much of it as is certified clear (5 advance), and again from there, until the body is where its
 //! coupling wants it, nothing is gained any more, or the budget is spent.
 
+mod cones;
 mod line;
 mod settled;
+
+pub(crate) use cones::stop_within_cones;
 
 use glam::Vec3;
 
@@ -164,68 +167,6 @@ pub(crate) fn lean(state: &mut State) {
             settled::remember(state, body, state.bodies.report[body].flags);
         }
     }
-}
-
-/// Has bodies with balls that loose objects stopped on their way stop where every ball is within its cone:
-/// between two postures that are, the angles pass through others.
-///
-/// The balls are taken into their cones where the body stopped, if it is clear of everything then. Else it stops
-/// earlier on its way, where a loose body may have followed it.
-pub(crate) fn stop_within_cones(state: &mut State, spending: &Spending, report: &mut FrameReport) {
-    for body in 0..state.registers.body_slots as usize {
-        let stop = state.legs.stop_time[body];
-        let is_driven = state.bodies.kind[body] == BodyKind::Driven.code();
-        if !is_driven || stop <= 0.0 || stop >= 1.0 || !has_chains(state, body) {
-            continue;
-        }
-        let at = driven_at(state.legs.of(body), &state.bodies.pose[body], stop);
-        let safe = reach::within_cones(state, body, at.leg, at.share);
-        if safe < at.share {
-            let mut purses = purses(spending, report);
-            if !bend_into_cones(state, body, &at, &mut purses.units) {
-                stop_earlier(state, body, &at, safe);
-            }
-            purses.book(0, report);
-        }
-    }
-}
-
-/// Takes the balls of a body into their cones where it is on its way; false when it is not clear then, or the
-/// units ran out.
-fn bend_into_cones(state: &mut State, body: usize, at: &Position, purse: &mut Purse) -> bool {
-    let bent = Position {
-        leg: at.leg + 1,
-        share: 0.0,
-        ..*at
-    };
-    let clear = reach::bend_into_cones(state, body, at, bent.leg)
-        && pays_for_pairs(state, body, purse)
-        && is_clear_of_all(state, body, &bent, purse);
-    if clear {
-        reach::copy_posture(state, body, bent.leg, at.leg);
-    }
-    clear
-}
-
-/// Whether a body is clear of everything at a place; false, too, when there are no units to tell.
-fn is_clear_of_all(state: &mut State, body: usize, at: &Position, purse: &mut Purse) -> bool {
-    let Ok(pairs) = pairs::collect_driven(state, body, &at.still()) else {
-        return false;
-    };
-    contacts::is_clear(state, pairs, at, purse) == Some(true)
-        && contacts::is_clear_of_loose(state, body, at, purse)
-}
-
-/// Has a body stop at an earlier share of the leg on which it was stopped.
-fn stop_earlier(state: &mut State, body: usize, at: &Position, share: f32) {
-    let legs = state.legs.of(body);
-    let begun = at
-        .leg
-        .checked_sub(1)
-        .map_or(0.0, |before| legs[before].end_time);
-    let leg = &legs[at.leg];
-    let part = share / leg.reached;
-    state.legs.stop_time[body] = begun + (leg.end_time - begun) * part;
 }
 
 /// Takes the units for collecting a body's pairs; false when there are too few.

@@ -15,7 +15,7 @@ mod skeleton;
 mod touch;
 
 pub(crate) use skeleton::{
-    bend_into_cones, copy_posture, hold_blocked, propose, stay, within_cones,
+    are_within_cones, bend_into_cones, copy_posture, hold_blocked, propose, stay, within_cones,
 };
 
 use root::HalfSpaces;

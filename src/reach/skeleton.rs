@@ -127,7 +127,8 @@ pub(crate) fn copy_posture(state: &mut State, body: usize, leg: usize, into: usi
 /// How often the share of a leg is halved to bring balls into their cones.
 const CONE_HALVINGS_MAX: u32 = 10;
 
-fn are_within_cones(state: &State, body: usize, leg: usize, share: f32) -> bool {
+/// Whether every ball of a body is within its cone at a share of a leg.
+pub(crate) fn are_within_cones(state: &State, body: usize, leg: usize, share: f32) -> bool {
     let slot = slot_range(state, leg).start;
     chains_of(state, body).all(|chain| {
         joints_of(state, chain).all(|joint| {
