@@ -84,31 +84,41 @@ fn near_driven(state: &State, body: usize) -> Bounds {
 }
 
 /// Wakes sleeping bodies that something comes near, with those that fell asleep with them.
+///
+/// Cost: a test of two boxes for each sleeper and each body that is up; where nothing is, a pass over the bodies.
 fn wake_disturbed(state: &mut State) {
-    for body in 0..state.registers.body_slots as usize {
+    let slots = state.registers.body_slots as usize;
+    // Scratch of the line, which is not there yet.
+    let mut count = 0;
+    for body in 0..slots {
+        let moves = is_body_of(state, body, BodyKind::Driven) && state.legs.count[body] > 0;
+        if moves || is_up(state, body) {
+            state.islands.went[count] = body as u32;
+            count += 1;
+        }
+    }
+    for body in 0..slots {
         let sleeps = is_loose(state, body) && state.bodies.momentum[body].asleep == 1;
-        if sleeps && is_disturbed(state, body) {
-            wake_nap(state, state.bodies.momentum[body].nap);
+        if sleeps && is_disturbed(state, body, &state.islands.went[..count]) {
+            wake_nap(state, state.bodies.momentum[body].nap, &mut count);
         }
     }
 }
 
-fn is_disturbed(state: &State, body: usize) -> bool {
-    let near = state.islands.near[body];
-    (0..state.registers.body_slots as usize).any(|other| {
-        let driven = is_body_of(state, other, BodyKind::Driven) && state.legs.count[other] > 0;
-        other != body
-            && (driven || is_up(state, other))
-            && state.islands.near[other].overlaps(&near)
-    })
+fn is_disturbed(state: &State, body: usize, by: &[u32]) -> bool {
+    let near = &state.islands.near;
+    by.iter()
+        .any(|&other| near[other as usize].overlaps(&near[body]))
 }
 
-/// Wakes all that fell asleep together.
-fn wake_nap(state: &mut State, nap: u32) {
+/// Wakes all that fell asleep together, and lists them among those that are up.
+fn wake_nap(state: &mut State, nap: u32, count: &mut usize) {
     for body in 0..state.registers.body_slots as usize {
-        let momentum = &mut state.bodies.momentum[body];
-        if momentum.asleep == 1 && momentum.nap == nap {
+        let momentum = &state.bodies.momentum[body];
+        if momentum.asleep == 1 && momentum.nap == nap && is_loose(state, body) {
             wake(state, body);
+            state.islands.went[*count] = body as u32;
+            *count += 1;
         }
     }
 }

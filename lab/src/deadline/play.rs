@@ -2,7 +2,7 @@
 //!
 //! Deadlines are kept as a host would: by prices, with the wall's clock as the backstop.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use palpable::frame::{CostTable, Deadline, FrameInput, FrameReport};
@@ -11,7 +11,7 @@ use palpable::world::World;
 use serde::Serialize;
 
 use super::set::{Cast, FIXED, Set};
-use super::stopwatch::timed;
+use super::stopwatch::{Taken, timed};
 use super::trials::{Kit, RATE_HZ, Trial};
 use crate::hand_scene::{SceneError, poses_of_pieces};
 use crate::memory::Block;
@@ -140,18 +140,7 @@ pub fn play(
     }
     for frame in 0..frames + UNCOUNTED {
         kit.tell(trial, &mut world, &cast, frame)?;
-        let (report, taken) = match deadline_us {
-            None => timed(|| world.step(&input)),
-            Some(us) => {
-                let ends_ns = u64::from(us) * 1000;
-                let reserve_ns = costs.reserve_ns(&world.census());
-                timed(|| {
-                    let begun = Instant::now();
-                    let clock = || begun.elapsed().as_nanos() as u64;
-                    world.step_by_clock(&input, &clock, ends_ns.saturating_sub(reserve_ns))
-                })
-            }
-        };
+        let (report, taken) = step(&mut world, &input, deadline_us, costs);
         if frame < UNCOUNTED {
             continue;
         }
@@ -171,6 +160,53 @@ pub fn play(
         }
     }
     Ok(counts.outcome(trial, deadline_us))
+}
+
+/// Time on the processor that so many frames of a trial take, after those that are not counted.
+///
+/// # Errors
+/// [`SceneError`] when the trial could not be set or played.
+pub fn time(
+    kit: &Kit,
+    trial: Trial,
+    frames: u32,
+    deadline_us: Option<u32>,
+    costs: &CostTable,
+) -> Result<Duration, SceneError> {
+    let capacities = trial.capacities();
+    let mut block = Block::new(&capacities);
+    let mut world =
+        World::create(block.bytes(), &capacities).map_err(|e| SceneError(format!("{e:?}")))?;
+    let mut set = Set::new(&mut world);
+    kit.fill(trial, &mut set)?;
+    let cast = set.cast;
+    let input = input(deadline_us, costs);
+    let mut cpu_ns = 0;
+    for frame in 0..frames + UNCOUNTED {
+        kit.tell(trial, &mut world, &cast, frame)?;
+        let (_, taken) = step(&mut world, &input, deadline_us, costs);
+        cpu_ns += if frame < UNCOUNTED { 0 } else { taken.cpu_ns };
+    }
+    Ok(Duration::from_nanos(cpu_ns))
+}
+
+/// One frame, by its prices and by the wall's clock.
+fn step(
+    world: &mut World,
+    input: &FrameInput,
+    deadline_us: Option<u32>,
+    costs: &CostTable,
+) -> (FrameReport, Taken) {
+    let Some(us) = deadline_us else {
+        return timed(|| world.step(input));
+    };
+    let ends_ns = u64::from(us) * 1000;
+    let reserve_ns = costs.reserve_ns(&world.census());
+    timed(|| {
+        let begun = Instant::now();
+        let clock = || begun.elapsed().as_nanos() as u64;
+        world.step_by_clock(input, &clock, ends_ns.saturating_sub(reserve_ns))
+    })
 }
 
 fn input(deadline_us: Option<u32>, costs: &CostTable) -> FrameInput {
