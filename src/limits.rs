@@ -105,6 +105,10 @@ pub const SPIN_MAX: f32 = 3e3;
 /// The largest coordinate of a host's force, torque or impulse, in N, N m or N s.
 pub const FORCE_MAX: f32 = 1e9;
 
+/// The largest density of a piece, in kg/m3: far beyond any matter. Masses, moments and impulses stay far within
+/// f32.
+pub const DENSITY_MAX: f32 = 1e9;
+
 /// The largest coefficient of friction. What sticks at that sticks; its products with impulses stay far
 /// within f32.
 pub const FRICTION_MAX: f32 = 1e6;
