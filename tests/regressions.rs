@@ -5,11 +5,12 @@ mod common;
 mod loose;
 
 use common::{Block, add_box, add_piece};
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use loose::{ball, floor, lowest_corner, position, surface};
 use palpable::frame::{FrameInput, FrameReport};
 use palpable::limits::{
     DENSITY_MAX, FORCE_MAX, FRICTION_MAX, LOOSE_REST_M, OVERLAP_SLOP_M, SPEED_MAX, SPIN_MAX,
+    WORLD_REACH_M,
 };
 use palpable::math::Pose;
 use palpable::memory::{BodyId, Capacities, PieceId};
@@ -614,4 +615,66 @@ fn impulses_of_the_heaviest_bodies_are_finite() {
         }
     }
     assert!(touched, "it meets the floor");
+}
+
+/// Numbers from -1 to 1, the same ones for the same seed.
+fn numbers(seed: u32) -> impl FnMut() -> f32 {
+    let mut bits = seed.wrapping_mul(0x9e37_79b9) | 1;
+    move || {
+        bits ^= bits << 13;
+        bits ^= bits >> 17;
+        bits ^= bits << 5;
+        f32::from_bits(0x3f80_0000 | bits >> 9) * 2.0 - 3.0
+    }
+}
+
+/// How deep a driven ball that hangs on its body gets into a fixed one, in f64, while its tracker goes through
+/// the fixed one to and fro.
+fn deepest_of_balls(seed: u32, home: Vec3, fixed_m: f32) -> f64 {
+    let mut draw = numbers(seed);
+    let mut vector = || Vec3::new(draw(), draw(), draw());
+    let mut block = Block::new(&SMALL);
+    let mut world = World::create(block.bytes(), &SMALL).unwrap();
+    let away = (home + 0.1 * vector()).normalize() * (fixed_m + 0.3);
+    let stone = ball(
+        &mut world,
+        BodyKind::Fixed,
+        (home - away).to_array(),
+        fixed_m,
+    );
+    let def = BodyDef::new(BodyKind::Driven, Pose::new(Quat::IDENTITY, home));
+    let hand = world.add_body(&def).unwrap();
+    let mut finger = PieceDef::new(Shape::Point, 0.02);
+    finger.local = Pose::new(Quat::IDENTITY, 0.1 * vector());
+    let finger = add_piece(&mut world, hand, &finger);
+    let mut deepest = f64::NEG_INFINITY;
+    for _ in 0..120 {
+        let turn = Quat::from_scaled_axis(vector());
+        let target = home - away * (0.5 / away.length()) + 0.3 * vector();
+        world.set_target(hand, &Pose::new(turn, target)).unwrap();
+        world.step(&FrameInput::unlimited(FRAME_S));
+        let at = world.piece_pose(finger).unwrap().translation().as_dvec3();
+        let apart = at.distance(world.pose(stone).unwrap().translation().as_dvec3());
+        deepest = deepest.max(f64::from(fixed_m) + f64::from(0.02_f32) - apart);
+    }
+    deepest
+}
+
+#[test]
+fn no_overlap_shows_far_from_the_origin() {
+    let mut touched = 0;
+    for seed in 0..200 {
+        let part = [0.01, 0.3, 0.6, 0.98][seed as usize % 4];
+        let sign = |bit: u32| if seed & bit == 0 { 1.0 } else { -1.0 };
+        let home = part * WORLD_REACH_M * Vec3::new(sign(4), sign(8), sign(16));
+        let fixed_m = [0.1, home.length()][seed as usize / 32 % 2];
+        let deepest = deepest_of_balls(seed, home, fixed_m);
+        let most = f64::from(OVERLAP_SLOP_M);
+        assert!(
+            deepest <= most,
+            "{seed}: {deepest} m at {home}, {fixed_m} m"
+        );
+        touched += u32::from(deepest > -1e-3);
+    }
+    assert!(touched > 100, "{touched}");
 }

@@ -108,7 +108,7 @@ fn whole_motion_planes(
                 &obstacle_pose(state, b),
                 pair.normal,
             );
-            add(&mut planes, pair.normal, GAP_REST_M - end);
+            add(&mut planes, pair.normal, GAP_REST_M + pair.lost - end);
         }
     }
     planes
