@@ -678,3 +678,23 @@ fn no_overlap_shows_far_from_the_origin() {
     }
     assert!(touched > 100, "{touched}");
 }
+
+#[test]
+fn a_slide_does_not_leave_the_world() {
+    let mut block = Block::new(&SMALL);
+    let mut world = World::create(block.bytes(), &SMALL).unwrap();
+    // A ceiling that rises along X: what is pressed against it is bent forward.
+    let turn = Quat::from_rotation_z(0.1);
+    let ceiling = Pose::new(turn, turn * Vec3::new(0.0, 1.1, 0.0));
+    add_box(&mut world, BodyKind::Fixed, ceiling, [3000.0, 1.0, 3.0]);
+    let hand = ball(&mut world, BodyKind::Driven, [0.0; 3], 0.05);
+    let target = Pose::at(WORLD_REACH_M, 0.5 * WORLD_REACH_M, 0.0);
+    for frame in 0..10 {
+        world.set_target(hand, &target).unwrap();
+        world.step(&FrameInput::unlimited(FRAME_S));
+        let at = position(&world, hand);
+        let most = 1.000_001 * f64::from(WORLD_REACH_M);
+        assert!(at.iter().all(|x| x.abs() <= most), "{frame}: {at:?}");
+        assert!(at[0] > 1000.0, "{frame}: {at:?}");
+    }
+}
