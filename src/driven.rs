@@ -4,6 +4,7 @@
 //! much of it as is certified clear (5 advance), and again from there, until the body is where its
 //! coupling wants it, nothing is gained any more, or the budget is spent.
 
+pub(crate) mod apart;
 mod line;
 mod settled;
 

@@ -698,3 +698,43 @@ fn a_slide_does_not_leave_the_world() {
         assert!(at[0] > 1000.0, "{frame}: {at:?}");
     }
 }
+
+#[test]
+fn a_hand_does_not_get_into_one_that_a_wedged_object_stopped() {
+    for (first_m, push) in [(0.3, 0), (0.5, 1), (0.6, 0), (0.3, 1)] {
+        let mut block = Block::new(&SMALL);
+        let mut world = World::create(block.bytes(), &SMALL).unwrap();
+        world.set_gravity([0.0; 3]);
+        let mut hand = |x: f32| {
+            let def = BodyDef {
+                coupling: Coupling {
+                    push,
+                    ..Coupling::DEFAULT
+                },
+                ..BodyDef::new(BodyKind::Driven, Pose::at(x, 0.0, 0.0))
+            };
+            let hand = world.add_body(&def).unwrap();
+            add_piece(&mut world, hand, &PieceDef::new(Shape::Point, 0.1));
+            hand
+        };
+        // The second follows the first, which finds a ball between it and a wall.
+        let hands = [hand(0.0), hand(-0.25)];
+        ball(&mut world, BodyKind::Dynamic, [0.45, 0.0, 0.0], 0.3);
+        let wall = Pose::at(1.7503, 0.0, 0.0);
+        add_box(&mut world, BodyKind::Fixed, wall, [1.0, 3.0, 3.0]);
+        let mut gap = 0.05;
+        for frame in 0..12 {
+            for (hand, x) in hands.into_iter().zip([first_m, first_m - 0.25]) {
+                world.set_target(hand, &Pose::at(x, 0.0, 0.0)).unwrap();
+            }
+            world.step(&FrameInput::unlimited(FRAME_S));
+            let [a, b] = hands.map(|hand| world.pose(hand).unwrap().translation());
+            gap = a.distance(b) - 0.2;
+            assert!(gap > -1e-5, "{first_m} {push} {frame}: {gap} m");
+        }
+        assert!(
+            gap < 0.01,
+            "the second comes near: {first_m} {push} {gap} m"
+        );
+    }
+}

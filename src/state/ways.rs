@@ -9,7 +9,7 @@ use crate::limits::{GAP_LOST_M, GAP_LOST_PART, LEGS_MAX, WORLD_REACH_M};
 use crate::math::{self, Pose};
 use crate::memory::columns::columns;
 use crate::state::State;
-use crate::state::bodies::BodyKind;
+use crate::state::bodies::{BodyKind, DrivenReport};
 use crate::state::chains::{linkage, slot_range};
 use crate::state::contacts::Pair;
 use crate::state::pieces::Bounds;
@@ -298,6 +298,30 @@ pub(crate) fn driven_at(legs: &[Leg], start: &Pose, time: f32) -> Position {
         last = leg.at(index, leg.reached);
     }
     last
+}
+
+/// Where a driven body comes to in the frame; `None` when it stays where it was.
+pub(crate) fn comes_to(state: &State, body: usize) -> Option<Position> {
+    let start = state.bodies.pose[body];
+    let stop = state.legs.stop_time[body];
+    let moves = state.legs.count[body] > 0 && stop > 0.0 && !stops_in_leap(state, body);
+    moves.then(|| driven_at(state.legs.of(body), &start, stop))
+}
+
+/// Where a driven body is that stays where it was.
+pub(crate) fn stays(state: &State, body: usize) -> Position {
+    driven_at(&[], &state.bodies.pose[body], 0.0)
+}
+
+/// Whether a loose object stopped a body that leaves overlap or snaps to its tracker, of which only the end is
+/// known to be clear: the body stays where it was. A snap's leg begins at the tracker.
+fn stops_in_leap(state: &State, body: usize) -> bool {
+    let leaves = state.bodies.report[body].flags & DrivenReport::OVERLAPS != 0;
+    let first = state.legs.of(body).first();
+    first.is_some_and(|leg| {
+        let leaps = leaves || leg.from != state.bodies.pose[body];
+        leaps && state.legs.stop_time[body] < leg.end_time
+    })
 }
 
 impl Leg {
