@@ -727,7 +727,12 @@ fn a_hand_does_not_get_into_one_that_a_wedged_object_stopped() {
             for (hand, x) in hands.into_iter().zip([first_m, first_m - 0.25]) {
                 world.set_target(hand, &Pose::at(x, 0.0, 0.0)).unwrap();
             }
-            world.step(&FrameInput::unlimited(FRAME_S));
+            let report = world.step(&FrameInput::unlimited(FRAME_S));
+            assert_eq!(
+                report.flags & FrameReport::OVERLAP,
+                0,
+                "{frame}: {report:?}"
+            );
             let [a, b] = hands.map(|hand| world.pose(hand).unwrap().translation());
             gap = a.distance(b) - 0.2;
             assert!(gap > -1e-5, "{first_m} {push} {frame}: {gap} m");
