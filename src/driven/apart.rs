@@ -101,14 +101,26 @@ fn keep_out(state: &mut State, body: usize, purse: &mut Purse) -> bool {
 
 /// Whether a body is clear of other driven bodies, or of loose ones; `None` when the units ran out.
 fn is_clear(state: &State, body: usize, purse: &mut Purse, kind: BodyKind) -> Option<bool> {
-    let others = state.registers.piece_slots as usize;
+    let others = 0..state.registers.piece_slots as usize;
     let own = || PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]);
-    if !purse.take_parts(box_parts(own().count() * others)) {
+    let count = own().count();
+    let whole = own().fold(Bounds::EMPTY, |whole, piece| {
+        whole.union(state.legs.ahead_bounds[piece])
+    });
+    let is_near =
+        |&other: &usize| is_met(state, body, other, kind) && seat(state, other).1.overlaps(&whole);
+    if !purse.take_parts(box_parts(count + others.len())) {
         return None;
     }
-    for piece in own() {
-        for other in 0..others {
-            if is_met(state, piece, other, kind) && overlaps(state, piece, other, purse)? {
+    if !others.clone().any(|other| is_near(&other)) {
+        return Some(true);
+    }
+    if !purse.take_parts(box_parts(count * others.len())) {
+        return None;
+    }
+    for other in others.filter(is_near) {
+        for piece in own() {
+            if !passes(state, piece, other) && overlaps(state, piece, other, purse)? {
                 return Some(false);
             }
         }
@@ -116,17 +128,20 @@ fn is_clear(state: &State, body: usize, purse: &mut Purse, kind: BodyKind) -> Op
     Some(true)
 }
 
-/// Whether a piece keeps out of another, which is of such a body.
-fn is_met(state: &State, piece: usize, other: usize, kind: BodyKind) -> bool {
-    let pieces = &state.pieces;
-    let is_driven = kind == BodyKind::Driven;
-    if is_driven {
-        pieces.body_kind[other] == kind.code()
-            && pieces.body[other] != pieces.body[piece]
-            && !pieces.groups[piece].pass(pieces.groups[other])
+/// Whether a piece is one of those that a body is to be clear of.
+fn is_met(state: &State, body: usize, other: usize, kind: BodyKind) -> bool {
+    let other_kind = state.pieces.body_kind[other];
+    if kind == BodyKind::Driven {
+        other_kind == kind.code() && state.pieces.body[other] as usize != body
     } else {
-        is_loose_kind(pieces.body_kind[other])
+        is_loose_kind(other_kind)
     }
+}
+
+/// Whether the host lets a driven piece pass another one.
+fn passes(state: &State, piece: usize, other: usize) -> bool {
+    state.pieces.body_kind[other] == BodyKind::Driven.code()
+        && state.pieces.groups[piece].pass(state.pieces.groups[other])
 }
 
 fn overlaps(state: &State, piece: usize, other: usize, purse: &mut Purse) -> Option<bool> {
