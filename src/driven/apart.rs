@@ -41,9 +41,10 @@ pub(crate) fn keep(state: &mut State, spending: &Spending, report: &mut FrameRep
         // Those first that went as they said.
         for strays in [false, true] {
             for body in 0..slots {
-                if is_elsewhere(state, body) == strays && comes_to(state, body).is_some() {
-                    stopped |= keep_out(state, body, &mut purses.units);
-                }
+                let is_turn = is_body_of(state, body, BodyKind::Driven)
+                    && is_elsewhere(state, body) == strays
+                    && comes_to(state, body).is_some();
+                stopped |= is_turn && keep_out(state, body, &mut purses.units);
             }
         }
         if stopped == before {
