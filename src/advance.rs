@@ -9,7 +9,7 @@ use crate::math;
 use crate::state::State;
 use crate::state::contacts::{Pair, choice_parts, least_certified, query_units, scan_parts};
 use crate::state::purse::Purse;
-use crate::state::ways::{BodyTrack, is_own, pair_motions, piece_motion};
+use crate::state::ways::{BodyTrack, is_own, lost_m, pair_motions, piece_motion};
 
 /// How far a leg was found clear.
 #[derive(Clone, Copy, Debug)]
@@ -127,7 +127,8 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
         motion_b,
     };
     let mut feature = pair.feature;
-    let mut found = moving.clear_until(time, GAP_FLOOR_M, &mut feature, 0.0);
+    let lost = lost_m(state, &pair, leg, &moving.motion_a.at(time), time);
+    let mut found = moving.clear_until(time, GAP_FLOOR_M + lost, &mut feature, 0.0);
     if is_own(state, &pair) {
         let root = leg.root.at(time);
         found.normal = root.quat() * found.normal;
@@ -135,7 +136,8 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
     }
     let pair = &mut state.pairs.list[index];
     pair.feature = feature;
-    pair.gap = found.gap_m;
+    pair.gap = found.gap_m - lost;
+    pair.lost = lost;
     pair.gap_time = time;
     pair.normal = found.normal;
     pair.point = found.point;

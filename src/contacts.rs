@@ -22,7 +22,7 @@ use crate::state::bodies::is_loose_kind;
 use crate::state::contacts::{self, ContactPoint, Pair};
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::purse::Purse;
-use crate::state::ways::{Position, is_own, obstacle_bounds, obstacle_pose, piece_pose};
+use crate::state::ways::{Position, is_own, lost_m, obstacle_bounds, obstacle_pose, piece_pose};
 
 /// Where a driven body that overlaps fixed pieces or other driven bodies gets clear of these pairs, moved
 /// as a whole; `None` when no way out was found.
@@ -152,7 +152,8 @@ fn deepest_gap(state: &State, pairs: usize, at: &Position, purse: &mut Purse) ->
         let pose = pose_of(state, pair, at);
         let shape = &state.pieces.shape[a];
         let bounds = Bounds::of(shape, &pose);
-        if is_own(state, pair) || bounds.gap(&obstacle_bounds(state, b)) >= 0.0 {
+        let lost = lost_m(state, pair, &at.still(), &pose, 0.0);
+        if is_own(state, pair) || bounds.gap(&obstacle_bounds(state, b)) >= lost {
             continue;
         }
         if !purse.take(contacts::query_units(
@@ -193,10 +194,12 @@ pub(crate) fn measure_touching(
             continue;
         }
         let (poses, apart) = boxes_apart(state, &pair, at, &mut known);
+        let lost = lost_m(state, &pair, &at.still(), &poses[0], 0.0);
         let pair = &mut state.pairs.list[index];
         pair.gap_time = 0.0;
-        if !touches(apart) {
-            pair.gap = apart;
+        pair.lost = lost;
+        if !touches(apart - lost) {
+            pair.gap = apart - lost;
             continue;
         }
         let [a, b] = [pair.a, pair.b].map(|piece| &state.pieces.shape[piece as usize]);
@@ -233,7 +236,7 @@ fn boxes_apart(state: &State, pair: &Pair, at: &Position, known: &mut Placed) ->
     ([pose, obstacle_pose(state, b)], apart)
 }
 
-/// Measures the gap of a pair, and where it is in the world.
+/// Measures the gap of a pair, less what is lost of it, and where it is in the world.
 fn measure(state: &mut State, index: usize, at: &Position, poses: &[Pose; 2]) {
     let own = is_own(state, &state.pairs.list[index]);
     let pair = &mut state.pairs.list[index];
@@ -246,7 +249,7 @@ fn measure(state: &mut State, index: usize, at: &Position, poses: &[Pose; 2]) {
         &mut pair.feature,
         0.0,
     );
-    pair.gap = found.gap_m;
+    pair.gap = found.gap_m - pair.lost;
     pair.normal = found.normal;
     pair.point = 0.5 * (found.point_a + found.point_b);
     if own {
@@ -260,7 +263,7 @@ fn measure(state: &mut State, index: usize, at: &Position, poses: &[Pose; 2]) {
 pub(crate) fn mark_touching(state: &mut State, pairs: usize) {
     for pair in &mut state.pairs.list[..pairs] {
         pair.bends = u32::from(pair.measured == 1 && touches(pair.gap));
-        pair.bending_gap = pair.gap;
+        pair.bending_gap = pair.gap + pair.lost;
     }
 }
 
@@ -291,7 +294,7 @@ pub(crate) fn record(state: &mut State, pairs: usize) -> bool {
 pub(crate) fn overlaps(state: &State, pairs: usize) -> bool {
     state.pairs.list[..pairs]
         .iter()
-        .any(|pair| pair.measured == 1 && pair.gap < 0.0 && !is_own(state, pair))
+        .any(|pair| pair.measured == 1 && pair.gap + pair.lost < 0.0 && !is_own(state, pair))
 }
 
 /// Whether a measured pair is in contact.

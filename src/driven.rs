@@ -4,6 +4,7 @@
 //! much of it as is certified clear (5 advance), and again from there, until the body is where its
 //! coupling wants it, nothing is gained any more, or the budget is spent.
 
+pub(crate) mod apart;
 mod cones;
 mod line;
 mod settled;
@@ -147,7 +148,9 @@ fn yield_once(state: &mut State, body: usize, purses: &mut Purses) -> u32 {
         }
     }
     let contacts = state.registers.contacts;
-    let flags = match walk(state, body, start, goal, purses) {
+    // What was not overlapped at first is by now only by where another driven body was to come to.
+    let overlaps = state.bodies.report[body].flags & DrivenReport::OVERLAPS != 0;
+    let flags = match walk(state, body, start, goal, overlaps, purses) {
         Ok(flags) => flags,
         Err(PairsFull) => {
             state.legs.count[body] = 0;
@@ -305,7 +308,7 @@ fn go(state: &mut State, body: usize, dt_s: f32, purses: &mut Purses) -> u32 {
     if let Some(flags) = snap(state, body, dt_s, &mut purses.units) {
         return flags;
     }
-    match walk(state, body, start, wanted, purses) {
+    match walk(state, body, start, wanted, true, purses) {
         Ok(flags) => flags,
         Err(PairsFull) => {
             state.legs.count[body] = 0;
@@ -326,11 +329,13 @@ fn angles_rest(state: &State, body: usize) -> bool {
         .all(|joint| state.joints.angle[joint] == state.ways.wanted[joint])
 }
 
+/// Plans and walks legs; `overlaps` has it look for overlap that the host made, and leave it.
 fn walk(
     state: &mut State,
     body: usize,
     start: Position,
     wanted: Position,
+    overlaps: bool,
     purses: &mut Purses,
 ) -> Result<u32, PairsFull> {
     if has_chains(state, body) {
@@ -350,7 +355,9 @@ fn walk(
         flags: 0,
         hold: Hold::default(),
     };
-    walk.leave_overlap(state, &mut purses.units)?;
+    if overlaps {
+        walk.leave_overlap(state, &mut purses.units)?;
+    }
     for _ in 0..ROUNDS_MAX {
         let has_room = (state.legs.count[body] as usize) < LEGS_MAX;
         if !has_room || walk.leg(state, purses)? == Next::Done {

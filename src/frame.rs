@@ -87,6 +87,7 @@ pub(crate) fn step(state: &mut State, input: &FrameInput, clock: Option<Clock>) 
         }
         loose.end(state, &mut report);
         driven::stop_within_cones(state, &spending, &mut report);
+        driven::apart::keep(state, &spending, &mut report);
         driven::lean(state);
     }
     publish::run(state, dt_s);

@@ -27,7 +27,7 @@ pub const PIECE_LANES_MAX: usize = PIECE_VERTICES_MAX.div_ceil(LANE_WIDTH);
 pub const MANIFOLD_CONTACTS_MAX: usize = 4;
 
 /// The farthest a coordinate may be from the origin, in metres. Below it f32 coordinates are spaced by
-/// at most 0.061 mm, which the promised slop can still take; farther out it cannot.
+/// at most 0.061 mm, which gaps that grow with them can still take: see [`GAP_LOST_PART`].
 pub const WORLD_REACH_M: f32 = 1024.0;
 
 const _: () = assert!(PIECE_LANES_MAX * LANE_WIDTH == PIECE_VERTICES_MAX);
@@ -42,8 +42,17 @@ pub const LEGS_MAX: usize = 4;
 pub const DISTANCE_STEPS_MAX: u32 = 48;
 
 /// The gap that no path of a driven body undercuts, in metres. It is what f32 may lose between the
-/// kernel's arithmetic and the truth (pieces up to 10 m, 100 m from the origin).
+/// kernel's arithmetic and the truth (pieces up to 10 m, 100 m from the origin); beyond, all gaps of driven
+/// bodies are kept wider by what more may be lost.
 pub const GAP_FLOOR_M: f32 = 0.2 * OVERLAP_SLOP_M;
+
+/// What f32 may lose of a gap between two poses of a leg, as a part of the numbers that make the poses: each
+/// coordinate is rounded by 2^-24 of itself when the root goes on and when the piece is placed on it, at both
+/// poses; the square root of three brings that to less than 4 * 2^-24 of each number.
+pub const GAP_LOST_PART: f32 = 2.0 * f32::EPSILON;
+
+/// How much of that the slop and the floor take, in metres.
+pub const GAP_LOST_M: f32 = 0.8 * OVERLAP_SLOP_M;
 
 /// The gap at which a driven body rests against fixed ones, in metres: above the floor so that it
 /// can slide and turn a little, below the slop so that nobody sees it.
@@ -104,6 +113,10 @@ pub const SPIN_MAX: f32 = 3e3;
 
 /// The largest coordinate of a host's force, torque or impulse, in N, N m or N s.
 pub const FORCE_MAX: f32 = 1e9;
+
+/// The largest density of a piece, in kg/m3: far beyond any matter. Masses, moments and impulses stay far within
+/// f32.
+pub const DENSITY_MAX: f32 = 1e9;
 
 /// The largest coefficient of friction. What sticks at that sticks; its products with impulses stay far
 /// within f32.

@@ -7,7 +7,7 @@ use crate::state::State;
 use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, is_body_of, is_loose};
 use crate::state::chains::{ChainOptions, has_chains, joints_of, linkage, next_chain, slot_range};
 use crate::state::pieces::{Bounds, PiecesOf};
-use crate::state::ways::{Position, driven_at};
+use crate::state::ways::{Position, comes_to};
 use glam::Vec3;
 
 /// Writes the published poses of everything that moved.
@@ -34,31 +34,17 @@ fn report_reaction(state: &mut State, body: usize, dt_s: f32) {
 }
 
 fn publish_driven(state: &mut State, body: usize) {
-    let start = state.bodies.pose[body];
-    let stop = state.legs.stop_time[body];
-    let reached = driven_at(state.legs.of(body), &start, stop);
-    let moved = state.legs.count[body] > 0 && stop > 0.0 && !stops_in_leap(state, body);
-    if moved {
+    let reached = comes_to(state, body);
+    if let Some(reached) = &reached {
         state.bodies.pose[body] = reached.root;
         move_locals(state, body, reached.local);
         if has_chains(state, body) {
-            move_links(state, body, &reached);
+            move_links(state, body, reached);
         }
         place_pieces(state, body);
     }
-    settle(state, body, moved);
+    settle(state, body, reached.is_some());
     settle_chains(state, body);
-}
-
-/// Whether a loose object stopped a body that leaves overlap or snaps to its tracker, of which only the end is
-/// known to be clear: the body stays where it was. A snap's leg begins at the tracker.
-fn stops_in_leap(state: &State, body: usize) -> bool {
-    let leaves = state.bodies.report[body].flags & DrivenReport::OVERLAPS != 0;
-    let first = state.legs.of(body).first();
-    first.is_some_and(|leg| {
-        let leaps = leaves || leg.from != state.bodies.pose[body];
-        leaps && state.legs.stop_time[body] < leg.end_time
-    })
 }
 
 /// Moves the published local poses by a share of their way to the targets.

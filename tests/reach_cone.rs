@@ -1,6 +1,6 @@
 //! Reach cones against f64: membership by meridians, nearest directions by dense sampling.
 
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 use palpable::geometry::reach_cone::{ConeError, ReachCone};
 use palpable::limits::REACH_CONE_EDGES_MAX;
 
@@ -207,6 +207,64 @@ fn what_is_hardly_outside_is_not_sent_to_another_edge() {
                     "{corner} {along} {aside}"
                 );
             }
+        }
+    }
+}
+
+/// The angle between a direction and the arc between two, in radians.
+fn to_arc_rad(limb: DVec3, a: DVec3, b: DVec3) -> f64 {
+    let normal = a.cross(b).normalize();
+    let beside = normal.cross(a).dot(limb) >= 0.0 && b.cross(normal).dot(limb) >= 0.0;
+    if beside {
+        normal.dot(limb).asin().abs()
+    } else {
+        limb.angle_between(a).min(limb.angle_between(b))
+    }
+}
+
+/// How far the direction that a cone gives for a limb is from its boundary, in radians.
+fn nearest_is_off_rad(cone: &ReachCone, limb: DVec3) -> f64 {
+    let found = cone.nearest(limb.as_vec3()).as_dvec3().normalize();
+    let corners = cone.corners();
+    let ends = |index: usize| [corners[index], corners[(index + 1) % corners.len()]];
+    (0..corners.len())
+        .map(|index| {
+            let [a, b] = ends(index).map(|corner| corner.as_dvec3().normalize());
+            to_arc_rad(found, a, b)
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn limbs_at_right_angles_to_an_edge_come_to_the_boundary() {
+    let mut random = Random(7);
+    for _ in 0..300 {
+        let (cone, _, _) = random_cone(&mut random, 0.3, 1.4);
+        for index in 0..cone.corners().len() {
+            let next = (index + 1) % cone.corners().len();
+            let [a, b] = [index, next].map(|corner| cone.corners()[corner].as_dvec3());
+            let aside = 10.0_f64.powf(random.between(-5.0, -1.0));
+            let limb = (a + b).normalize() * aside - a.cross(b).normalize();
+            let off = nearest_is_off_rad(&cone, limb.normalize());
+            assert!(off < 1e-6, "{cone:?} {limb}: {off}");
+        }
+    }
+}
+
+#[test]
+fn an_edge_of_milliradians_is_as_sharp_as_a_long_one() {
+    let mut random = Random(8);
+    for _ in 0..3000 {
+        let turn = DQuat::from_rotation_arc(DVec3::X, random.unit()).as_quat();
+        let skew = random.between(-0.001, 0.001) as f32;
+        let corners = [Vec3::X, Vec3::new(1.0, 0.002, skew), Vec3::Y, Vec3::Z];
+        let cone = ReachCone::new(turn * Vec3::ONE, &corners.map(|p| turn * p)).unwrap();
+        let [a, b] = [0, 1].map(|index| cone.corners()[index].as_dvec3());
+        let inward = a.cross(b).normalize();
+        let out = random.between(-1e-5, 1e-5);
+        let limb = ((a + b).normalize() - inward * out).as_vec3();
+        if out.abs() > 1e-6 {
+            assert_eq!(cone.contains(limb), out < 0.0, "{out} {cone:?}");
         }
     }
 }

@@ -824,7 +824,7 @@ typedef struct palp_piece_def {
      */
     float radius_m;
     /**
-     * Density in kg/m3, above 0; looked at for dynamic bodies only.
+     * Density in kg/m3, above 0 and at most 1e9; looked at for dynamic bodies only.
      */
     float density_kg_m3;
     /**

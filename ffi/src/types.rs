@@ -201,7 +201,7 @@ pub struct palp_piece_def {
     pub b: palp_vec3,
     /// Rounding radius in metres, 0 or more.
     pub radius_m: f32,
-    /// Density in kg/m3, above 0; looked at for dynamic bodies only.
+    /// Density in kg/m3, above 0 and at most 1e9; looked at for dynamic bodies only.
     pub density_kg_m3: f32,
     /// A `PALP_MATERIAL_` number or one from `palp_material_add`.
     pub material: u32,

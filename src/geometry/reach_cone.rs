@@ -14,11 +14,14 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use crate::limits::REACH_CONE_EDGES_MAX;
-use crate::math::{atan2, direction, length};
+use crate::math::{atan2, direction, length, sqrt_f64};
 
 /// Shortest edge, least angle between an edge and the visible point, and least rest of an edge to half
 /// a turn, as sines.
 const SINE_MIN: f32 = 1e-3;
+
+/// What is left of a unit vector in the plane of an arc has no direction when it is shorter than this.
+const FOOT_MIN: f64 = 1e-12;
 
 /// Why corners make no cone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -142,10 +145,12 @@ impl ReachCone {
     /// Cost: three products an edge at most.
     #[must_use]
     pub fn contains(&self, limb: Vec3) -> bool {
+        let (limb, visible) = (limb.as_dvec3(), self.visible.as_dvec3());
         for index in 0..self.count() {
             let (a, b) = self.edge(index);
-            let in_lune =
-                limb.dot(self.visible.cross(a)) >= 0.0 && limb.dot(b.cross(self.visible)) >= 0.0;
+            // Products of f32 are exact in f64: edges of a milliradian are as sharp as long ones.
+            let (a, b) = (a.as_dvec3(), b.as_dvec3());
+            let in_lune = limb.dot(visible.cross(a)) >= 0.0 && limb.dot(b.cross(visible)) >= 0.0;
             if in_lune {
                 return limb.dot(a.cross(b)) >= 0.0;
             }
@@ -188,14 +193,20 @@ impl ReachCone {
 }
 
 /// The point of the shorter arc from `a` to `b` that is nearest to a unit vector.
+///
+/// In f64: of a limb that is nearly at right angles to the arc's plane little is left in it, and a short arc's
+/// plane is what f32 rounds most.
 fn nearest_of_arc(a: Vec3, b: Vec3, limb: Vec3) -> Vec3 {
     let far = |end: Vec3| (limb - end).length_squared();
     let nearer_end = if far(b) < far(a) { b } else { a };
+    let (a, b, limb) = (a.as_dvec3(), b.as_dvec3(), limb.as_dvec3());
     let normal = a.cross(b);
     let foot = limb - normal * (normal.dot(limb) / normal.length_squared());
     let between = a.cross(foot).dot(normal) > 0.0 && foot.cross(b).dot(normal) > 0.0;
-    match direction(foot) {
-        Some(foot) if between => foot,
-        _ => nearer_end,
+    let length = sqrt_f64(foot.length_squared());
+    if between && length > FOOT_MIN {
+        (foot / length).as_vec3()
+    } else {
+        nearer_end
     }
 }

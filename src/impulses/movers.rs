@@ -8,7 +8,7 @@ use crate::geometry::motion::{Motion, Track};
 use crate::limits::{SPEED_MAX, SPIN_MAX, WORLD_REACH_M};
 use crate::math::{self, Pose};
 use crate::state::State;
-use crate::state::bodies::{BodyKind, is_loose_kind};
+use crate::state::bodies::{BodyKind, is_loose_kind, share_within};
 use crate::state::pieces::PiecesOf;
 use crate::state::rows::Mover;
 use crate::state::ways::{BodyTrack, driven_at, piece_motion, piece_pose};
@@ -39,8 +39,11 @@ pub(super) fn keep_sane(state: &mut State, body: usize) {
 }
 
 fn at_most(v: Vec3, length: f32) -> Vec3 {
-    let is = math::length(v);
-    if is > length { v * (length / is) } else { v }
+    if v.length_squared() <= length * length {
+        return v;
+    }
+    let wide = v.as_dvec3();
+    (wide * share_within(wide, length)).as_vec3()
 }
 
 /// The frame at a loose body's centre of mass, with the body's orientation.

@@ -13,7 +13,7 @@ use crate::limits::{GAP_REST_M, SLIDE_PLANES_MAX};
 use crate::math::{self, Pose};
 use crate::state::State;
 use crate::state::contacts::Pair;
-use crate::state::ways::{Position, is_own, obstacle_pose, piece_motion, track};
+use crate::state::ways::{Position, in_world, is_own, obstacle_pose, piece_motion, track};
 
 /// A half-space of translations: normal . u >= offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +47,7 @@ pub(super) fn plan(
             Some(u) if math::length(u) <= reach => {
                 return Plan {
                     goal: Position {
-                        root: moved(&wanted.root, u),
+                        root: kept_in_world(at, &moved(&wanted.root, u)),
                         ..*wanted
                     },
                     bent: u != Vec3::ZERO,
@@ -108,7 +108,7 @@ fn whole_motion_planes(
                 &obstacle_pose(state, b),
                 pair.normal,
             );
-            add(&mut planes, pair.normal, GAP_REST_M - end);
+            add(&mut planes, pair.normal, GAP_REST_M + pair.lost - end);
         }
     }
     planes
@@ -148,13 +148,30 @@ fn plan_translation(state: &State, pairs: usize, at: &Position, wanted: &Positio
     let step = nearest_outside(&planes).map_or(Vec3::ZERO, |u| way + u);
     Plan {
         goal: Position {
-            root: at.root.moved(step),
+            root: kept_in_world(at, &at.root.moved(step)),
             local: at.local,
             ..*wanted
         },
         bent: true,
         share: 1.0,
     }
+}
+
+/// A pose, or, where that is out of the world, one with the same turn on the straight way there.
+fn kept_in_world(at: &Position, to: &Pose) -> Pose {
+    let beyond = to.translation() - in_world(to.translation());
+    if beyond == Vec3::ZERO {
+        return *to;
+    }
+    let from = at.root.translation();
+    let way = to.translation() - from;
+    let mut share = 1.0;
+    for (beyond, way) in beyond.to_array().into_iter().zip(way.to_array()) {
+        if beyond != 0.0 {
+            share = math::min(share, math::max(0.0, 1.0 - beyond / way));
+        }
+    }
+    Pose::new(to.quat(), in_world(from + way * share))
 }
 
 /// How much a plane may be violated by rounding, in metres.

@@ -98,11 +98,12 @@ impl Place {
         let pose = obstacle_pose(state, b);
         let reach = other.support(pose.quat().conjugate() * pair.normal).reach;
         let apart = pair.normal.dot(pose.translation() - self.origin());
+        let own_radius = state.pieces.shape[a].radius;
         Touch {
             piece: a,
             link: self.link_of(state, pair.a),
             normal: pair.normal,
-            height_m: apart + reach + other.radius + state.pieces.shape[a].radius + GAP_REST_M,
+            height_m: apart + reach + other.radius + own_radius + GAP_REST_M + pair.lost,
             gap_m: pair.gap,
         }
     }

@@ -3,7 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DQuat, DVec3, Mat3, Quat, Vec3};
 
-use crate::math::Pose;
+use crate::limits::{SPEED_MAX, SPIN_MAX};
+use crate::math::{self, Pose};
 use crate::memory::columns::columns;
 use crate::memory::ids::is_alive;
 use crate::state::State;
@@ -149,6 +150,41 @@ pub(crate) struct Momentum {
     pub asleep: u32,
     /// Bodies that fell asleep together have the same number, and wake together.
     pub nap: u32,
+}
+
+impl Momentum {
+    /// Adds an impulse at an arm from the centre of mass, both in the world.
+    pub(crate) fn strike(&mut self, mass: &BodyMass, rotation: Quat, impulse: Vec3, arm: Vec3) {
+        let gained = impulse.as_dvec3() * f64::from(mass.inverse_mass);
+        let angular = self.angular.as_dvec3() + arm.cross(impulse).as_dvec3();
+        let velocity = self.velocity.as_dvec3() + gained;
+        self.set(mass, rotation, velocity, angular);
+    }
+
+    /// Keeps how every point of a body moves whose mass is no longer what it was.
+    pub(crate) fn reweigh(&mut self, before: &BodyMass, now: &BodyMass, rotation: Quat) {
+        if self.angular == Vec3::ZERO || before == now {
+            return;
+        }
+        let spin = before.spin(rotation.as_dquat(), self.angular.as_dvec3());
+        let moved = rotation.as_dquat() * (now.centre - before.centre).as_dvec3();
+        let velocity = self.velocity.as_dvec3() + spin.cross(moved);
+        let angular = now.inertia(rotation).as_dmat3() * spin;
+        self.set(now, rotation, velocity, angular);
+    }
+
+    /// Sets out with a velocity and an angular momentum, no faster than [`SPEED_MAX`] and [`SPIN_MAX`].
+    fn set(&mut self, mass: &BodyMass, rotation: Quat, velocity: DVec3, angular: DVec3) {
+        let spin = mass.spin(rotation.as_dquat(), angular);
+        self.velocity = (velocity * share_within(velocity, SPEED_MAX)).as_vec3();
+        self.angular = (angular * share_within(spin, SPIN_MAX)).as_vec3();
+    }
+}
+
+/// The share of a vector that is no longer than a length.
+pub(crate) fn share_within(v: DVec3, length: f32) -> f64 {
+    let (is, most) = (math::sqrt_f64(v.length_squared()), f64::from(length));
+    if is > most { most / is } else { 1.0 }
 }
 
 /// What the host makes a loose body feel in the next frame.

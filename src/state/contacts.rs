@@ -18,8 +18,10 @@ pub(crate) struct Pair {
     pub a: u32,
     /// The other piece.
     pub b: u32,
-    /// A lower bound of the gap at `gap_time`, in metres.
+    /// A lower bound of the gap at `gap_time`, less what is lost, in metres.
     pub gap: f32,
+    /// What f32 may lose of the gap so far from the origin, in metres.
+    pub lost: f32,
     /// Share of the current leg at which `gap` holds.
     pub gap_time: f32,
     /// Share of the current leg that is known to be clear.

@@ -5,11 +5,11 @@ use glam::Vec3;
 
 use crate::geometry::linkage::LinkPath;
 use crate::geometry::motion::{Motion, Track, interpolate};
-use crate::limits::{LEGS_MAX, WORLD_REACH_M};
+use crate::limits::{GAP_LOST_M, GAP_LOST_PART, LEGS_MAX, WORLD_REACH_M};
 use crate::math::{self, Pose};
 use crate::memory::columns::columns;
 use crate::state::State;
-use crate::state::bodies::BodyKind;
+use crate::state::bodies::{BodyKind, DrivenReport};
 use crate::state::chains::{linkage, slot_range};
 use crate::state::contacts::Pair;
 use crate::state::pieces::Bounds;
@@ -157,6 +157,42 @@ pub(crate) fn obstacle_bounds(state: &State, piece: usize) -> Bounds {
     }
 }
 
+/// What f32 may lose of the gap of a driven body's pair on a leg, beyond what the slop takes, in metres; the
+/// first piece is at `pose` at that time. Nothing for pieces of some metres within 100 m of the origin.
+pub(crate) fn lost_m(state: &State, pair: &Pair, leg: &BodyTrack, pose: &Pose, time: f32) -> f32 {
+    let own = is_own(state, pair);
+    let [a, b] = [pair.a, pair.b].map(|piece| &state.pieces.shape[piece as usize]);
+    let (from, to) = (leg.root.from, leg.root.to);
+    let root = if own {
+        0.0
+    } else {
+        math::max(largest(from.translation()), largest(to.translation()))
+    };
+    let at = pose.translation();
+    let turns = from.rotation != to.rotation || moves_in_body(state, pair.a as usize);
+    // Its turns are rounded four times.
+    let lost = |arm: f32| {
+        let turned = if turns { 4.0 * (arm + a.reach) } else { 0.0 };
+        let numbers = root + largest(at) + turned + b.radius;
+        math::max(0.0, GAP_LOST_PART * numbers - GAP_LOST_M)
+    };
+    let most = lost(2.0 * (largest(at) + root));
+    if own || most == 0.0 {
+        return most;
+    }
+    lost(math::length(at - leg.root.at(time).translation()))
+}
+
+fn largest(v: Vec3) -> f32 {
+    math::max(v.x.abs(), math::max(v.y.abs(), v.z.abs()))
+}
+
+/// Whether a piece may move as its body's root sees it.
+fn moves_in_body(state: &State, piece: usize) -> bool {
+    let pieces = &state.pieces;
+    pieces.link[piece] != 0 || pieces.local[piece] != pieces.local_target[piece]
+}
+
 /// Whether both pieces of a pair belong to one body.
 pub(crate) fn is_own(state: &State, pair: &Pair) -> bool {
     state.pieces.body[pair.a as usize] == state.pieces.body[pair.b as usize]
@@ -262,6 +298,30 @@ pub(crate) fn driven_at(legs: &[Leg], start: &Pose, time: f32) -> Position {
         last = leg.at(index, leg.reached);
     }
     last
+}
+
+/// Where a driven body comes to in the frame; `None` when it stays where it was.
+pub(crate) fn comes_to(state: &State, body: usize) -> Option<Position> {
+    let start = state.bodies.pose[body];
+    let stop = state.legs.stop_time[body];
+    let moves = state.legs.count[body] > 0 && stop > 0.0 && !stops_in_leap(state, body);
+    moves.then(|| driven_at(state.legs.of(body), &start, stop))
+}
+
+/// Where a driven body is that stays where it was.
+pub(crate) fn stays(state: &State, body: usize) -> Position {
+    driven_at(&[], &state.bodies.pose[body], 0.0)
+}
+
+/// Whether a loose object stopped a body that leaves overlap or snaps to its tracker, of which only the end is
+/// known to be clear: the body stays where it was. A snap's leg begins at the tracker.
+fn stops_in_leap(state: &State, body: usize) -> bool {
+    let leaves = state.bodies.report[body].flags & DrivenReport::OVERLAPS != 0;
+    let first = state.legs.of(body).first();
+    first.is_some_and(|leg| {
+        let leaps = leaves || leg.from != state.bodies.pose[body];
+        leaps && state.legs.stop_time[body] < leg.end_time
+    })
 }
 
 impl Leg {

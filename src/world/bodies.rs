@@ -11,7 +11,7 @@ use crate::publish::place_pieces;
 use crate::recording::{CallKind, List, calls};
 use crate::state::bodies::{
     BodyKind, BodyMass, Coupling, Displacement, DrivenReport, HostedImpulse, Load, Momentum,
-    Settled, Tracker, Waiting, Yielding, is_loose_kind,
+    Settled, Tracker, Waiting, Yielding, is_loose_kind, share_within,
 };
 use crate::state::pieces::PiecesOf;
 
@@ -267,7 +267,9 @@ impl World<'_> {
         let bodies = &self.state.bodies;
         let rotation = bodies.pose[body].quat().as_dquat();
         let angular = bodies.momentum[body].angular.as_dvec3();
-        let spin = bodies.mass[body].spin(rotation, angular).as_vec3();
+        let spin = bodies.mass[body].spin(rotation, angular);
+        // A needle that tumbles may come to turn about its length faster than f32 holds.
+        let spin = (spin * share_within(spin, f32::MAX)).as_vec3();
         Ok((bodies.momentum[body].velocity.to_array(), spin.to_array()))
     }
 

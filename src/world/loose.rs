@@ -86,7 +86,7 @@ impl World<'_> {
     }
 
     /// Changes a dynamic body's motion at once by an impulse (N s) at a point, both in the world, and
-    /// wakes it. The next frame slows what became faster than [`SPEED_MAX`] or [`SPIN_MAX`].
+    /// wakes it. What would become faster than [`SPEED_MAX`] or [`SPIN_MAX`] becomes just as fast.
     ///
     /// # Errors
     /// [`BodyError`]; [`BodyError::BadForce`] for a coordinate that is not finite or beyond
@@ -122,10 +122,9 @@ impl World<'_> {
             return Err(BodyError::BadPose);
         }
         let mass = self.state.bodies.mass[body];
-        let arm = point - self.state.bodies.pose[body].point(mass.centre);
-        let momentum = &mut self.state.bodies.momentum[body];
-        momentum.velocity += impulse * mass.inverse_mass;
-        momentum.angular += arm.cross(impulse);
+        let pose = self.state.bodies.pose[body];
+        let arm = point - pose.point(mass.centre);
+        self.state.bodies.momentum[body].strike(&mass, pose.quat(), impulse, arm);
         self.wake_one(body);
         Ok(())
     }

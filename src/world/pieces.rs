@@ -3,7 +3,7 @@
 use super::World;
 use crate::geometry::hull::{HullBuilder, HullError, HullView};
 use crate::geometry::mass::{MassProperties, MassSum};
-use crate::limits::{PIECE_REACH_M, WORLD_REACH_M};
+use crate::limits::{DENSITY_MAX, PIECE_REACH_M, WORLD_REACH_M};
 use crate::math::{self, Pose};
 use crate::memory::ids::free_slot;
 use crate::memory::{BodyId, PieceId};
@@ -39,7 +39,7 @@ pub struct PieceDef<'a> {
     pub local: Pose,
     /// Surface.
     pub material: Material,
-    /// Density in kg/m3, above zero; looked at for dynamic bodies only.
+    /// Density in kg/m3, above zero and at most [`DENSITY_MAX`]; looked at for dynamic bodies only.
     pub density_kg_m3: f32,
 }
 
@@ -80,7 +80,7 @@ pub enum AddPieceError {
     TooLarge,
     /// The shape is flat, or a sphere or capsule without radius, or a box without extent.
     Degenerate,
-    /// The radius is negative, or the density is not above zero.
+    /// The radius is negative, or the density is not above zero or beyond [`DENSITY_MAX`].
     BadNumber,
     /// The local pose is not finite, too far away, or its orientation has no length.
     BadPose,
@@ -161,7 +161,7 @@ impl World<'_> {
         if !def.radius_m.is_finite() || !def.density_kg_m3.is_finite() {
             return Err(AddPieceError::NotFinite);
         }
-        if def.radius_m < 0.0 || def.density_kg_m3 <= 0.0 {
+        if def.radius_m < 0.0 || def.density_kg_m3 <= 0.0 || def.density_kg_m3 > DENSITY_MAX {
             return Err(AddPieceError::BadNumber);
         }
         if def.radius_m > PIECE_REACH_M {
@@ -274,7 +274,7 @@ impl World<'_> {
         }
     }
 
-    /// Recomputes what a dynamic body weighs.
+    /// Recomputes what a dynamic body weighs. What is left of it moves as it did.
     fn weigh(&mut self, body: usize) {
         if self.state.bodies.kind[body] != BodyKind::Dynamic.code() {
             return;
@@ -288,7 +288,11 @@ impl World<'_> {
                 sum.add(&self.state.pieces.local[piece], &part);
             }
         }
-        self.state.bodies.mass[body] = body_mass(&sum);
+        let bodies = &mut self.state.bodies;
+        let rotation = bodies.pose[body].quat();
+        let (before, now) = (bodies.mass[body], body_mass(&sum));
+        bodies.mass[body] = now;
+        bodies.momentum[body].reweigh(&before, &now, rotation);
     }
 }
 

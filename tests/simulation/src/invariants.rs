@@ -24,7 +24,7 @@ const UNIT_MAX: f64 = 1e-5;
 /// What of an overlap that the host made may be rounding, in metres, near the origin.
 const GROWTH_M: f64 = 1e-6;
 
-/// The same as a part of the distance from the origin: four roundings.
+/// The same as a part of the distance from the origin and of the depth: four roundings.
 const GROWTH_PART: f64 = 4.0 * f32::EPSILON as f64;
 
 /// A loose piece whose box is nearer than this to a driven piece's may have stopped it in the middle of the
@@ -74,7 +74,7 @@ fn is_unit(parts: &[f32]) -> bool {
     (square.sqrt() - 1.0).abs() <= UNIT_MAX
 }
 
-/// Overlap that a pair of pieces showed, in metres.
+/// The most that an overlap which a pair of pieces showed may have been but for rounding, in metres.
 type Known = ([PieceId; 2], f64);
 
 /// A ball by its chain and first hinge, and how far it is outside its cone, in radians.
@@ -123,7 +123,7 @@ impl Checker {
             let afresh = cast.changes != self.seen.0;
             self.seen = seen;
             self.overlaps.measure(cast, world.piece_poses(), afresh);
-            self.known = beyond(self.overlaps.found());
+            self.known = beyond(world, self.overlaps.found());
             for overlap in self.overlaps.found() {
                 let worst = &mut self.worst.made_m[overlap.class as usize];
                 *worst = worst.max(overlap.depth_m);
@@ -315,7 +315,7 @@ impl Checker {
                 None => self.check_clean(world, cast, &overlap, report)?,
             }
         }
-        self.known = beyond(self.overlaps.found());
+        self.known = beyond(world, self.overlaps.found());
         Ok(())
     }
 
@@ -328,9 +328,7 @@ impl Checker {
         before_m: f64,
         report: &FrameReport,
     ) -> Result<(), Broken> {
-        let at = world.piece_poses()[overlap.pieces[0].index1 as usize - 1].position;
-        let far = DVec3::from_array(at.map(f64::from)).length();
-        let most = before_m.max(overlap.class.limit_m()) + GROWTH_M + GROWTH_PART * far;
+        let most = before_m.max(overlap.class.limit_m()) + rounding_m(world, overlap);
         if overlap.depth_m > most && !self.is_excused(world, cast, overlap, report) {
             return Err(Broken::new(
                 "overlap that the host made grew",
@@ -482,11 +480,20 @@ fn outside(world: &World, cast: &Cast) -> Vec<Outside> {
     found
 }
 
-/// Overlaps that are deeper than promised.
-fn beyond(found: &[Overlap]) -> Vec<Known> {
+/// Overlaps that are deeper than promised, with what rounding may have taken off them.
+fn beyond(world: &World, found: &[Overlap]) -> Vec<Known> {
     let deep = found.iter().filter(|o| o.depth_m > o.class.limit_m());
-    deep.map(|overlap| (overlap.pieces, overlap.depth_m))
+    deep.map(|overlap| (overlap.pieces, overlap.depth_m + rounding_m(world, overlap)))
         .collect()
+}
+
+/// What of an overlap may be rounding of the pieces' poses and of the kernel's depth, in metres.
+fn rounding_m(world: &World, overlap: &Overlap) -> f64 {
+    let far = overlap.pieces.map(|piece| {
+        let at = world.piece_poses()[piece.index1 as usize - 1].position;
+        DVec3::from_array(at.map(f64::from)).length()
+    });
+    GROWTH_M + GROWTH_PART * (far[0].max(far[1]) + overlap.depth_m)
 }
 
 /// Whether a loose body may have stopped a piece's driven body before the end of the frame.
@@ -524,9 +531,8 @@ fn check_poses(world: &World, cast: &Cast) -> Result<(), Broken> {
         let pose = world.pose(body.id);
         let pose = pose.map_err(|error| Broken::new("a body is gone", (body.id, error)))?;
         check_pose(&pose, "a body's pose")?;
-        // Sliding along something may bend a long way out of the world, and back in the next frame.
-        let far = pose.position.iter().all(|x| x.abs() <= 2.0 * WORLD_REACH_M);
-        let inside = body.kind != BodyKind::Driven || far;
+        let near = 1.000_001 * WORLD_REACH_M;
+        let inside = body.kind != BodyKind::Driven || pose.position.iter().all(|x| x.abs() <= near);
         hold(inside, "a body left the world", (body, pose))?;
     }
     for piece in &cast.pieces {
