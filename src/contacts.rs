@@ -20,6 +20,7 @@ use crate::math::Pose;
 use crate::state::State;
 use crate::state::bodies::is_loose_kind;
 use crate::state::contacts::{self, ContactPoint, Pair};
+use crate::state::loose;
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::purse::Purse;
 use crate::state::ways::{Position, is_own, lost_m, obstacle_bounds, obstacle_pose, piece_pose};
@@ -118,8 +119,7 @@ pub(crate) fn is_clear_of_loose(
             if !is_loose_kind(state.pieces.body_kind[b]) {
                 return true;
             }
-            let loose = state.bodies.pose[state.pieces.body[b] as usize];
-            let other = loose.then(&state.pieces.local[b]);
+            let other = loose::piece_pose(state, b);
             let other_shape = &state.pieces.shape[b];
             if bounds.gap(&Bounds::of(other_shape, &other)) >= 0.0 {
                 return true;

@@ -27,12 +27,13 @@ use crate::state::chains::{
 };
 use crate::state::contacts::{PairsFull, box_parts};
 use crate::state::islands::GiveWay;
+use crate::state::loose;
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::purse::Purse;
 use crate::state::ways::{
     BodyTrack, Leg, Position, driven_at, in_world, piece_motion, piece_pose, track,
 };
-use crate::{advance, contacts, impulses, pairs};
+use crate::{advance, contacts, pairs};
 use line::Line;
 
 /// Moves every driven body as far as its way is clear. Spends at most the spending's units, one for each
@@ -110,7 +111,7 @@ fn meets_another_island(state: &State, body: usize) -> bool {
             is_loose(state, other)
                 && state.islands.label[other] != island
                 && (state.islands.near[other].overlaps(&whole)
-                    || impulses::is_in(state, other, &whole))
+                    || loose::is_in(state, other, &whole))
         })
 }
 
@@ -272,7 +273,7 @@ fn snap(state: &mut State, body: usize, dt_s: f32, purse: &mut Purse) -> Option<
     let measured = contacts::measure_touching(state, count, &target, purse);
     let free = measured
         && !contacts::touches_any(state, count)
-        && !impulses::may_come(state, &state.legs.whole[body], dt_s);
+        && !loose::may_come(state, &state.legs.whole[body], dt_s);
     if !free {
         return None;
     }

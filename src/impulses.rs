@@ -29,7 +29,6 @@ use crate::state::State;
 use crate::state::bodies::{BodyKind, HostedImpulse, Load, is_loose};
 use crate::state::contacts::PairsFull;
 use crate::state::islands::GiveWay;
-use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::purse::Purse;
 use glam::Vec3;
 use line::Line;
@@ -107,19 +106,6 @@ pub(crate) fn is_awake(state: &State) -> bool {
     state.registers.loose > 0
         && (0..state.registers.body_slots as usize)
             .any(|body| is_loose(state, body) && state.bodies.momentum[body].asleep == 0)
-}
-
-/// Whether a loose body may come into a box within the frame, impulses aside.
-pub(crate) fn may_come(state: &State, bounds: &Bounds, dt_s: f32) -> bool {
-    (0..state.registers.body_slots as usize).any(|body| {
-        is_loose(state, body) && islands::near_loose(state, body, dt_s).overlaps(bounds)
-    })
-}
-
-/// Whether a piece of a loose body is in a box where the body is now.
-pub(crate) fn is_in(state: &State, body: usize, bounds: &Bounds) -> bool {
-    PiecesOf::new(state.pieces.next, state.bodies.first_piece[body])
-        .any(|piece| sweep::loose_bounds(state, piece, body).overlaps(bounds))
 }
 
 impl Loose<'_> {

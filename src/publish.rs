@@ -6,6 +6,7 @@ use crate::math::{self, Pose, displacement_of};
 use crate::state::State;
 use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, is_body_of, is_loose};
 use crate::state::chains::{ChainOptions, has_chains, joints_of, linkage, next_chain, slot_range};
+use crate::state::islands::NONE;
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::ways::{Position, comes_to};
 use glam::Vec3;
@@ -19,10 +20,15 @@ pub(crate) fn run(state: &mut State, dt_s: f32) {
             report_reaction(state, body, dt_s);
             let moved = state.bodies.pose[body].translation() - before;
             state.bodies.yielding[body].velocity = moved / dt_s;
-        } else if is_loose(state, body) && state.bodies.momentum[body].asleep == 0 {
+        } else if is_loose(state, body) && moved(state, body) {
             place_pieces(state, body);
         }
     }
+}
+
+/// Whether a loose body may have moved: it is awake, or fell asleep at the end of this frame.
+fn moved(state: &State, body: usize) -> bool {
+    state.bodies.momentum[body].asleep == 0 || state.islands.label[body] != NONE
 }
 
 fn report_reaction(state: &mut State, body: usize, dt_s: f32) {

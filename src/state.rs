@@ -5,6 +5,7 @@ pub mod chains;
 pub mod contacts;
 pub mod events;
 pub(crate) mod islands;
+pub(crate) mod loose;
 pub mod materials;
 pub mod pieces;
 pub(crate) mod purse;

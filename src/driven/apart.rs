@@ -8,9 +8,10 @@ use crate::frame::{FrameReport, Spending};
 use crate::geometry::separation::separation;
 use crate::math::Pose;
 use crate::state::State;
-use crate::state::bodies::{BodyKind, is_body_of, is_loose_kind};
+use crate::state::bodies::{BodyKind, DrivenReport, is_body_of, is_loose_kind};
 use crate::state::contacts::{box_parts, query_units};
 use crate::state::islands::GiveWay;
+use crate::state::loose;
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::purse::Purse;
 use crate::state::ways::{comes_to, obstacle_bounds, obstacle_pose, piece_pose, stays};
@@ -76,7 +77,8 @@ fn place(state: &mut State, body: usize) {
     }
 }
 
-/// Stops a body on its way where it is clear of others, if there is such a place; whether it was stopped.
+/// Stops a body on its way where it is clear of others, if there is such a place; whether it was stopped. Where
+/// the host made it overlap another one, it stays as it is.
 fn keep_out(state: &mut State, body: usize, purse: &mut Purse) -> bool {
     if is_clear(state, body, purse, BodyKind::Driven) != Some(false) {
         return false;
@@ -89,7 +91,8 @@ fn keep_out(state: &mut State, body: usize, purse: &mut Purse) -> bool {
             0.5 * state.legs.stop_time[body]
         };
         place(state, body);
-        let clear = is_clear(state, body, purse, BodyKind::Driven) == Some(true)
+        let stays = halvings > HALVINGS_MAX && is_disturbed(state);
+        let clear = (stays || is_clear(state, body, purse, BodyKind::Driven) == Some(true))
             && is_clear(state, body, purse, BodyKind::Dynamic) == Some(true);
         if clear {
             return true;
@@ -98,6 +101,14 @@ fn keep_out(state: &mut State, body: usize, purse: &mut Purse) -> bool {
     state.legs.stop_time[body] = planned;
     place(state, body);
     false
+}
+
+/// Whether the host made driven bodies overlap.
+fn is_disturbed(state: &State) -> bool {
+    let overlaps = |body: usize| state.bodies.report[body].flags & DrivenReport::OVERLAPS != 0;
+    let driven = |body: &usize| is_body_of(state, *body, BodyKind::Driven);
+    let slots = 0..state.registers.body_slots as usize;
+    slots.filter(driven).any(overlaps)
 }
 
 /// Whether a body is clear of other driven bodies, or of loose ones; `None` when the units ran out.
@@ -162,8 +173,7 @@ fn overlaps(state: &State, piece: usize, other: usize, purse: &mut Purse) -> Opt
 /// Where a piece is at the end of the frame, and its box.
 fn seat(state: &State, piece: usize) -> (Pose, Bounds) {
     if is_loose_kind(state.pieces.body_kind[piece]) {
-        let body = state.pieces.body[piece] as usize;
-        let pose = state.bodies.pose[body].then(&state.pieces.local[piece]);
+        let pose = loose::piece_pose(state, piece);
         return (pose, Bounds::of(&state.pieces.shape[piece], &pose));
     }
     (obstacle_pose(state, piece), obstacle_bounds(state, piece))

@@ -1,18 +1,15 @@
 //! Which loose and driven bodies may touch each other within a frame, and who sleeps.
 
 use super::Stretch;
-use super::movers::{self, centre_pose, keep_sane, reach_m, spin};
-use crate::limits::{LOOSE_MARGIN_M, PAIR_MARGIN_M, SLEEP_S, SPEED_MAX, SPIN_MAX, STILL_SPEED};
+use super::movers::{self, centre_pose, keep_sane};
+use crate::limits::{LOOSE_MARGIN_M, SLEEP_S, STILL_SPEED};
 use crate::math;
-use crate::publish;
 use crate::state::State;
 use crate::state::bodies::{BodyKind, is_body_of, is_loose};
-use crate::state::islands::Members;
+use crate::state::islands::{Members, NONE};
+use crate::state::loose::{self, reach_m, spin};
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::rows::Mover;
-
-/// No island.
-pub(super) const NONE: u32 = u32::MAX;
 
 /// Wakes what is about to be touched and finds the islands; false when nothing is awake.
 ///
@@ -28,7 +25,7 @@ pub(super) fn find(state: &mut State, dt_s: f32) -> bool {
         state.rows.even[body] = 0;
         if is_loose(state, body) {
             state.legs.stop_time[body] = 1.0;
-            state.islands.near[body] = near_loose(state, body, dt_s);
+            state.islands.near[body] = loose::near(state, body, dt_s);
         } else if is_body_of(state, body, BodyKind::Driven) {
             state.islands.near[body] = near_driven(state, body);
         }
@@ -47,28 +44,6 @@ pub(super) fn find(state: &mut State, dt_s: f32) -> bool {
 /// Whether a loose body is awake.
 fn is_up(state: &State, body: usize) -> bool {
     is_loose(state, body) && state.bodies.momentum[body].asleep == 0
-}
-
-/// A box around all that a loose body may touch in the frame, impulses aside.
-pub(super) fn near_loose(state: &State, body: usize, dt_s: f32) -> Bounds {
-    let mut own = Bounds::EMPTY;
-    for piece in PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]) {
-        own = own.union(state.pieces.bounds[piece]);
-    }
-    if state.bodies.momentum[body].asleep == 1 {
-        return own.grown(LOOSE_MARGIN_M);
-    }
-    let (mass, load) = (&state.bodies.mass[body], &state.bodies.load[body]);
-    let gained = math::length(load.force) * mass.inverse_mass * dt_s;
-    let fall = math::length(state.registers.gravity) * dt_s;
-    let speed = math::length(state.bodies.momentum[body].velocity) + fall + gained;
-    let spun = if load.torque == glam::Vec3::ZERO {
-        0.0
-    } else {
-        math::length(mass.inverse_inertia(state.bodies.pose[body].quat()) * load.torque) * dt_s
-    };
-    let turn = math::min(math::length(spin(state, body)) + spun, SPIN_MAX) * reach_m(state, body);
-    own.grown((math::min(speed, SPEED_MAX) + turn) * dt_s + LOOSE_MARGIN_M + PAIR_MARGIN_M)
 }
 
 /// A box around all that a driven body may touch in the frame.
@@ -244,8 +219,6 @@ fn fall_asleep(state: &mut State, island: usize) {
             momentum.nap = island as u32;
             momentum.velocity = glam::Vec3::ZERO;
             momentum.angular = glam::Vec3::ZERO;
-            // Sleepers are not published again, and this one moved in this frame.
-            publish::place_pieces(state, body);
         } else if touches(state, body) && state.legs.count[body] == 0 {
             state.bodies.yielding[body].leans = 1;
         }

@@ -9,15 +9,9 @@ use crate::limits::{SPEED_MAX, SPIN_MAX, WORLD_REACH_M};
 use crate::math::{self, Pose};
 use crate::state::State;
 use crate::state::bodies::{BodyKind, is_loose_kind, share_within};
-use crate::state::pieces::PiecesOf;
+use crate::state::loose::spin;
 use crate::state::rows::Mover;
 use crate::state::ways::{BodyTrack, driven_at, piece_motion, piece_pose};
-
-/// Angular velocity of a loose body in the world, in rad/s.
-pub(super) fn spin(state: &State, body: usize) -> Vec3 {
-    let bodies = &state.bodies;
-    bodies.mass[body].inverse_inertia(bodies.pose[body].quat()) * bodies.momentum[body].angular
-}
 
 /// Slows a body that is faster than any scene needs, and stops one that left the world: beyond its
 /// reach there is nothing to touch, and nothing that f32 could tell apart.
@@ -347,15 +341,4 @@ pub(super) fn stop_all(state: &mut State, island: usize, time: f32) {
         next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
         state.legs.stop_time[body] = math::min(state.legs.stop_time[body], time);
     }
-}
-
-/// The farthest that a body's surface is from its centre of mass, in metres.
-pub(super) fn reach_m(state: &State, body: usize) -> f32 {
-    let centre = state.bodies.mass[body].centre;
-    let mut reach = 0.0;
-    for piece in PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]) {
-        let arm = math::length(state.pieces.local[piece].translation() - centre);
-        reach = math::max(reach, arm + state.pieces.shape[piece].reach);
-    }
-    reach
 }

@@ -17,6 +17,7 @@ use crate::math::{self, Pose};
 use crate::state::State;
 use crate::state::bodies::{BodyKind, is_loose_kind};
 use crate::state::contacts::{self, Pair, PairsFull, box_parts, query_units};
+use crate::state::loose;
 use crate::state::pieces::Bounds;
 use crate::state::purse::Purse;
 use crate::state::ways::{self, BodyTrack, Leg, Position, piece_pose};
@@ -40,7 +41,7 @@ pub(super) fn begin(state: &mut State, island: u32, purse: &mut Purse) -> bool {
                 }
                 driven_bounds(state, piece)
             } else if is_loose_kind(kind) {
-                loose_bounds(state, piece, body)
+                loose::piece_bounds(state, piece)
             } else if kind == 0 {
                 Bounds::EMPTY
             } else {
@@ -50,12 +51,6 @@ pub(super) fn begin(state: &mut State, island: u32, purse: &mut Purse) -> bool {
         }
     }
     true
-}
-
-/// The box of a piece of a loose body where it is now.
-pub(super) fn loose_bounds(state: &State, piece: usize, body: usize) -> Bounds {
-    let pose = state.bodies.pose[body].then(&state.pieces.local[piece]);
-    Bounds::of(&state.pieces.shape[piece], &pose)
 }
 
 /// A box around a driven piece's whole way through the frame.

@@ -9,6 +9,9 @@ use crate::state::State;
 use crate::state::contacts::Pair;
 use crate::state::pieces::Bounds;
 
+/// The label of bodies that are in no island.
+pub(crate) const NONE: u32 = u32::MAX;
+
 /// How a driven body gives way to an object that cannot get out of its way.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
