@@ -38,6 +38,8 @@
 //! | the same before a frame that may not look | `ADVANCE_CUT`, then `OVERLAP` | the next frame looks | `overlap_is_told_of_after_a_frame_that_could_not_look` |
 //! | a loose body that leaves the world | no error | it stops there and sleeps | `nothing_that_a_host_does_breaks_an_invariant` |
 //! | speeds, gravity or densities beyond all use | an error, or slowed to the bound | everything stays finite | `no_speed_gravity_or_density_makes_a_frame_endless_or_a_pose_not_finite` |
+//! | an impulse that would make a body faster than any scene needs | fine | it becomes as fast as the bound | `an_impulse_makes_nothing_faster_than_the_limits` |
+//! | a piece taken from a body that moves | fine | what is left moves on as it did | `what_is_left_of_a_body_moves_as_it_did` |
 //! | a block that is misaligned, short or garbage | `Misaligned`, `TooSmall`, `NotAWorld` | nothing | `garbage_and_truncated_blocks_are_refused` |
 //! | a block whose head was written to | `NotAWorld`, `OtherLayout`, `Damaged` | nothing | `every_flipped_bit_of_the_header_is_refused` |
 //! | capacities beyond their bounds | `CapacityTooLarge` | nothing | `a_capacity_above_its_bound_is_refused` |

@@ -90,6 +90,9 @@ enum Command {
         /// Frames of each scene at each deadline.
         #[arg(long, default_value_t = 2000, value_parser = clap::value_parser!(u32).range(100..=10_000_000))]
         frames: u32,
+        /// Only scenes with this in their names.
+        #[arg(long, default_value = "")]
+        only: String,
         /// A costs.json; measured first when there is none.
         #[arg(long)]
         costs: Option<PathBuf>,
@@ -246,7 +249,12 @@ fn main() -> ExitCode {
             out,
         }) => compared(*trackers, *slaps, *seed, out),
         Some(Command::Calibrate { frames, out }) => calibrated(*frames, out).map(drop),
-        Some(Command::Deadline { frames, costs, out }) => deadlines(*frames, costs.as_deref(), out),
+        Some(Command::Deadline {
+            frames,
+            only,
+            costs,
+            out,
+        }) => deadlines(*frames, only, costs.as_deref(), out),
         Some(Command::Replay { file }) => replayed(file),
         Some(Command::Simulate {
             seed,
@@ -481,6 +489,7 @@ fn calibrated(frames: u32, out: &Path) -> Result<Prices, Box<dyn std::error::Err
 
 fn deadlines(
     frames: u32,
+    only: &str,
     costs: Option<&Path>,
     out: &Path,
 ) -> Result<(), Box<dyn std::error::Error>> {
@@ -490,9 +499,15 @@ fn deadlines(
         None => calibrated(6000, out)?,
     };
     let kit = Kit::new(Hand::load()?);
-    let runs = Trial::ALL.len() * (1 + deadline::DEADLINES_US.len());
+    let is_asked = |trial: &Trial| trial.name().contains(only);
+    let trials: Vec<Trial> = Trial::ALL.into_iter().filter(is_asked).collect();
+    if trials.is_empty() {
+        let names = Trial::ALL.map(Trial::name).join(", ");
+        return Err(format!("no scene has {only:?} in its name: {names}").into());
+    }
+    let runs = trials.len() * (1 + deadline::DEADLINES_US.len());
     let bar = progress(runs as u64, "runs")?;
-    let outcomes = deadline::run(&kit, &Trial::ALL, frames, prices, |_| bar.inc(1))?;
+    let outcomes = deadline::run(&kit, &trials, frames, prices, |_| bar.inc(1))?;
     bar.finish_and_clear();
     println!("{}\n", deadline::table::of_prices(&prices, None));
     println!("{}\n", deadline::table::of_times(&outcomes));
