@@ -86,56 +86,43 @@ pub(crate) fn is_clear_of_itself(
         .filter(|pair| is_own(state, pair));
     own.into_iter().all(|pair| {
         let pieces = [pair.a as usize, pair.b as usize];
-        let [a, b] = pieces.map(|piece| &state.pieces.shape[piece]);
-        let [pose_a, pose_b] = pieces.map(|piece| piece_pose(state, piece, &at.in_root()));
-        Bounds::of(a, &pose_a).gap(&Bounds::of(b, &pose_b)) >= 0.0
-            || (purse.take(contacts::query_units(a, b))
-                && separation(
-                    &state.pools.convex(a),
-                    &state.pools.convex(b),
-                    &pose_a,
-                    &pose_b,
-                    Vec3::ZERO,
-                )
-                .gap_m
-                    > -OVERLAP_SLOP_M)
+        let poses = pieces.map(|piece| piece_pose(state, piece, &at.in_root()));
+        are_clear(state, pieces, &poses, purse)
     })
 }
 
 /// Whether a driven body is clear of loose ones but for the slop; false, too, when the units ran out. Spends
-/// a distance query a pair of pieces whose boxes overlap there.
+/// a distance query a pair of pieces whose boxes overlap there, and parts of a unit for the boxes.
 pub(crate) fn is_clear_of_loose(
     state: &State,
     body: usize,
     at: &Position,
     purse: &mut Purse,
 ) -> bool {
-    let own = PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]);
-    own.into_iter().all(|a| {
-        let pose = piece_pose(state, a, at);
-        let shape = &state.pieces.shape[a];
-        let bounds = Bounds::of(shape, &pose);
-        (0..state.registers.piece_slots as usize).all(|b| {
-            if !is_loose_kind(state.pieces.body_kind[b]) {
-                return true;
-            }
-            let other = loose::piece_pose(state, b);
-            let other_shape = &state.pieces.shape[b];
-            if bounds.gap(&Bounds::of(other_shape, &other)) >= 0.0 {
-                return true;
-            }
-            purse.take(contacts::query_units(shape, other_shape))
-                && separation(
-                    &state.pools.convex(shape),
-                    &state.pools.convex(other_shape),
-                    &pose,
-                    &other,
-                    Vec3::ZERO,
-                )
-                .gap_m
-                    > -OVERLAP_SLOP_M
+    let own = || PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]);
+    let slots = state.registers.piece_slots as usize;
+    purse.take_parts(contacts::box_parts(own().count() * slots))
+        && own().all(|a| {
+            let pose = piece_pose(state, a, at);
+            (0..slots).all(|b| {
+                !is_loose_kind(state.pieces.body_kind[b])
+                    || are_clear(state, [a, b], &[pose, loose::piece_pose(state, b)], purse)
+            })
         })
-    })
+}
+
+/// Whether two pieces are clear of each other but for the slop; false, too, when the units ran out.
+fn are_clear(state: &State, pieces: [usize; 2], poses: &[Pose; 2], purse: &mut Purse) -> bool {
+    let [a, b] = pieces.map(|piece| &state.pieces.shape[piece]);
+    let [pose_a, pose_b] = poses;
+    if Bounds::of(a, pose_a).gap(&Bounds::of(b, pose_b)) >= 0.0 {
+        return true;
+    }
+    if !purse.take(contacts::query_units(a, b)) {
+        return false;
+    }
+    let (a, b) = (state.pools.convex(a), state.pools.convex(b));
+    separation(&a, &b, pose_a, pose_b, Vec3::ZERO).gap_m > -OVERLAP_SLOP_M
 }
 
 /// The moving piece's pose where the body is.

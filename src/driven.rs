@@ -235,10 +235,15 @@ fn look_ahead(state: &mut State) {
 /// Bodies that go later keep out of where this one came to.
 fn step_ahead(state: &mut State, body: usize) {
     let reached = driven_at(state.legs.of(body), &state.bodies.pose[body], 1.0);
+    place_ahead(state, body, &reached);
+}
+
+/// Writes down where a body's pieces come to.
+fn place_ahead(state: &mut State, body: usize, at: &Position) {
     let mut next = state.bodies.first_piece[body];
     while let Some(piece) = next.checked_sub(1) {
         let piece = piece as usize;
-        let pose = piece_pose(state, piece, &reached);
+        let pose = piece_pose(state, piece, at);
         state.legs.ahead[piece] = pose;
         state.legs.ahead_bounds[piece] = Bounds::of(&state.pieces.shape[piece], &pose);
         next = state.pieces.next[piece];

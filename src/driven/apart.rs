@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use super::{purses, stop_within_cones};
+use super::{place_ahead, purses, stop_within_cones};
 use crate::frame::{FrameReport, Spending};
 use crate::geometry::separation::separation;
 use crate::math::Pose;
@@ -14,7 +14,7 @@ use crate::state::islands::GiveWay;
 use crate::state::loose;
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::purse::Purse;
-use crate::state::ways::{comes_to, obstacle_bounds, obstacle_pose, piece_pose, stays};
+use crate::state::ways::{comes_to, obstacle_bounds, obstacle_pose, stays};
 
 /// How often the part of its way that a body goes is halved until it is clear there.
 const HALVINGS_MAX: u32 = 6;
@@ -64,17 +64,10 @@ fn is_elsewhere(state: &State, body: usize) -> bool {
         && (state.legs.stop_time[body] < 1.0 || state.islands.gives[body].replans == GiveWay::DONE)
 }
 
-/// Writes down where a body's pieces come to.
+/// Writes down where a body's pieces come to, or that they stay.
 fn place(state: &mut State, body: usize) {
     let at = comes_to(state, body).unwrap_or(stays(state, body));
-    let mut next = state.bodies.first_piece[body];
-    while let Some(piece) = next.checked_sub(1) {
-        let piece = piece as usize;
-        let pose = piece_pose(state, piece, &at);
-        state.legs.ahead[piece] = pose;
-        state.legs.ahead_bounds[piece] = Bounds::of(&state.pieces.shape[piece], &pose);
-        next = state.pieces.next[piece];
-    }
+    place_ahead(state, body, &at);
 }
 
 /// Stops a body on its way where it is clear of others, if there is such a place; whether it was stopped. Where

@@ -13,7 +13,6 @@ use palpable::state::bodies::BodyKind;
 use palpable::world::{BodyDef, PieceDef, Shape, World};
 use serde::{Deserialize, Serialize};
 
-use super::set::Set;
 use super::stopwatch::{Eviction, timed};
 use super::trials::{Kit, RATE_HZ, Trial};
 use crate::hand_scene::SceneError;
@@ -228,29 +227,24 @@ fn free_frames(kind: BodyKind, bodies: u32, pieces: u32, count: u32) -> Vec<Fram
 
 /// Frames of a trial with budgets of all sizes.
 fn trial_frames(kit: &Kit, trial: Trial, count: u32) -> Result<Vec<Frame>, SceneError> {
-    let capacities = trial.capacities();
-    let mut block = Block::new(&capacities);
-    let mut world =
-        World::create(block.bytes(), &capacities).map_err(|e| SceneError(format!("{e:?}")))?;
-    let mut set = Set::new(&mut world);
-    kit.fill(trial, &mut set)?;
-    let cast = set.cast;
-    let mut failed = None;
-    let frames = frames_of(&mut world, count, |world, frame| {
-        if let Err(why) = kit.tell(trial, world, &cast, frame) {
-            failed.get_or_insert(why);
-        }
-        let units = [u32::MAX, 400, 200, 100, 50, 25, 12][(frame / 7 % 7) as usize];
-        FrameInput {
-            budget: Budget {
-                advance_units: units,
-                impulse_units: units,
-                reach_steps: units,
-            },
-            ..FrameInput::unlimited(1.0 / RATE_HZ)
-        }
-    });
-    failed.map_or(Ok(frames), Err)
+    kit.stage(trial, |world, cast, _| {
+        let mut failed = None;
+        let frames = frames_of(world, count, |world, frame| {
+            if let Err(why) = kit.tell(trial, world, cast, frame) {
+                failed.get_or_insert(why);
+            }
+            let units = [u32::MAX, 400, 200, 100, 50, 25, 12][(frame / 7 % 7) as usize];
+            FrameInput {
+                budget: Budget {
+                    advance_units: units,
+                    impulse_units: units,
+                    reach_steps: units,
+                },
+                ..FrameInput::unlimited(1.0 / RATE_HZ)
+            }
+        });
+        failed.map_or(Ok(frames), Err)
+    })
 }
 
 /// Measures this machine with so many frames of each trial; `tick` is called after each part.

@@ -10,11 +10,10 @@ use palpable::limits::OVERLAP_SLOP_M;
 use palpable::world::World;
 use serde::Serialize;
 
-use super::set::{Cast, FIXED, Set};
+use super::set::{Cast, FIXED};
 use super::stopwatch::{Taken, timed};
 use super::trials::{Kit, RATE_HZ, Trial};
 use crate::hand_scene::{SceneError, poses_of_pieces};
-use crate::memory::Block;
 use crate::reference::Judge;
 
 /// Deadlines that are tried, in microseconds.
@@ -131,42 +130,30 @@ pub fn play(
     costs: &CostTable,
     trace: &mut Trace,
 ) -> Result<Outcome, SceneError> {
-    let capacities = trial.capacities();
-    let mut block = Block::new(&capacities);
-    let mut world =
-        World::create(block.bytes(), &capacities).map_err(|e| SceneError(format!("{e:?}")))?;
-    let mut set = Set::new(&mut world);
-    kit.fill(trial, &mut set)?;
-    let (cast, judge) = (set.cast, set.judge);
     let input = input(deadline_us, costs);
     let mut counts = Counts::new(frames);
     if deadline_us.is_none() {
         trace.clear();
     }
-    for frame in 0..frames + UNCOUNTED {
-        kit.tell(trial, &mut world, &cast, frame)?;
-        let (report, taken) = step(&mut world, &input, deadline_us, costs);
-        counts.spent.push(report.spent());
-        if frame < UNCOUNTED {
-            continue;
+    let hash = kit.stage(trial, |world, cast, judge| {
+        for frame in 0..frames + UNCOUNTED {
+            kit.tell(trial, world, cast, frame)?;
+            let (report, taken) = step(world, &input, deadline_us, costs);
+            counts.spent.push(report.spent());
+            if frame < UNCOUNTED {
+                continue;
+            }
+            counts.note(&report, taken);
+            let counted = frame - UNCOUNTED;
+            compare(world, cast, deadline_us, counted, trace, &mut counts)?;
+            if frame % JUDGED_EVERY == 0 {
+                counts.judge(judge, world, cast)?;
+            }
         }
-        counts.cpu_ns.push(taken.cpu_ns);
-        counts.wall_ns.push(taken.wall_ns);
-        counts.note(&report, taken.cpu_ns);
-        compare(
-            &world,
-            &cast,
-            deadline_us,
-            frame - UNCOUNTED,
-            trace,
-            &mut counts,
-        )?;
-        if frame % JUDGED_EVERY == 0 {
-            counts.judge(&judge, &world, &cast)?;
-        }
-    }
+        Ok(world.hash())
+    })?;
     let again_ns = match deadline_us {
-        Some(us) if counts.misses(us) > 0 => replay(kit, trial, &counts.spent, world.hash())?,
+        Some(us) if counts.misses(us) > 0 => replay(kit, trial, &counts.spent, hash)?,
         _ => vec![],
     };
     Ok(counts.outcome(trial, deadline_us, &again_ns))
@@ -175,26 +162,22 @@ pub fn play(
 /// Plays a trial again with what its frames spent as their budgets; the frame times on the processor, in
 /// nanoseconds.
 fn replay(kit: &Kit, trial: Trial, spent: &[Budget], hash: u64) -> Result<Vec<u64>, SceneError> {
-    let capacities = trial.capacities();
-    let mut block = Block::new(&capacities);
-    let mut world =
-        World::create(block.bytes(), &capacities).map_err(|e| SceneError(format!("{e:?}")))?;
-    let mut set = Set::new(&mut world);
-    kit.fill(trial, &mut set)?;
-    let cast = set.cast;
     let mut cpu_ns = Vec::with_capacity(spent.len());
-    for (frame, &budget) in spent.iter().enumerate() {
-        kit.tell(trial, &mut world, &cast, frame as u32)?;
-        let input = FrameInput {
-            budget,
-            ..FrameInput::unlimited(1.0 / RATE_HZ)
-        };
-        let (_, taken) = timed(|| world.step(&input));
-        if frame >= UNCOUNTED as usize {
-            cpu_ns.push(taken.cpu_ns);
+    let came_to = kit.stage(trial, |world, cast, _| {
+        for (frame, &budget) in spent.iter().enumerate() {
+            kit.tell(trial, world, cast, frame as u32)?;
+            let input = FrameInput {
+                budget,
+                ..FrameInput::unlimited(1.0 / RATE_HZ)
+            };
+            let (_, taken) = timed(|| world.step(&input));
+            if frame >= UNCOUNTED as usize {
+                cpu_ns.push(taken.cpu_ns);
+            }
         }
-    }
-    if world.hash() == hash {
+        Ok(world.hash())
+    })?;
+    if came_to == hash {
         Ok(cpu_ns)
     } else {
         Err(SceneError(format!(
@@ -215,20 +198,16 @@ pub fn time(
     deadline_us: Option<u32>,
     costs: &CostTable,
 ) -> Result<Duration, SceneError> {
-    let capacities = trial.capacities();
-    let mut block = Block::new(&capacities);
-    let mut world =
-        World::create(block.bytes(), &capacities).map_err(|e| SceneError(format!("{e:?}")))?;
-    let mut set = Set::new(&mut world);
-    kit.fill(trial, &mut set)?;
-    let cast = set.cast;
     let input = input(deadline_us, costs);
     let mut cpu_ns = 0;
-    for frame in 0..frames + UNCOUNTED {
-        kit.tell(trial, &mut world, &cast, frame)?;
-        let (_, taken) = step(&mut world, &input, deadline_us, costs);
-        cpu_ns += if frame < UNCOUNTED { 0 } else { taken.cpu_ns };
-    }
+    kit.stage(trial, |world, cast, _| {
+        for frame in 0..frames + UNCOUNTED {
+            kit.tell(trial, world, cast, frame)?;
+            let (_, taken) = step(world, &input, deadline_us, costs);
+            cpu_ns += if frame < UNCOUNTED { 0 } else { taken.cpu_ns };
+        }
+        Ok(())
+    })?;
     Ok(Duration::from_nanos(cpu_ns))
 }
 
@@ -320,9 +299,11 @@ impl Counts {
         }
     }
 
-    fn note(&mut self, report: &FrameReport, cpu_ns: u64) {
+    fn note(&mut self, report: &FrameReport, taken: Taken) {
+        self.cpu_ns.push(taken.cpu_ns);
+        self.wall_ns.push(taken.wall_ns);
         let has = |flag: u32| u32::from(report.flags & flag != 0);
-        self.above_price += u32::from(cpu_ns > report.priced_ns);
+        self.above_price += u32::from(taken.cpu_ns > report.priced_ns);
         self.cut += has(FrameReport::OUT_OF_TIME);
         self.late += has(FrameReport::LATE);
         self.below_floor += has(FrameReport::BELOW_FLOOR);

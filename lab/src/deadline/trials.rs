@@ -16,6 +16,8 @@ use crate::figures::Figure;
 use crate::figures::scenes::AVATAR_OPTIONS;
 use crate::hand::{Hand, HandPose};
 use crate::hand_scene::{SceneError, locals, wrist};
+use crate::memory::Block;
+use crate::reference::Judge;
 use crate::script::HandTarget;
 
 /// Frames a second of all trials.
@@ -141,11 +143,30 @@ impl Kit {
         }
     }
 
+    /// Sets a trial in a world of its own and does something there.
+    ///
+    /// # Errors
+    /// [`SceneError`] when the trial could not be set, and what `act` comes to.
+    pub fn stage<T>(
+        &self,
+        trial: Trial,
+        act: impl FnOnce(&mut World, &Cast, &Judge) -> Result<T, SceneError>,
+    ) -> Result<T, SceneError> {
+        let capacities = trial.capacities();
+        let mut block = Block::new(&capacities);
+        let made = World::create(block.bytes(), &capacities);
+        let mut world = made.map_err(|why| SceneError(format!("{why:?}")))?;
+        let mut set = Set::new(&mut world);
+        self.fill(trial, &mut set)?;
+        let (cast, judge) = (set.cast, set.judge);
+        act(&mut world, &cast, &judge)
+    }
+
     /// Fills an empty world.
     ///
     /// # Errors
     /// [`SceneError`] names what was refused.
-    pub fn fill(&self, trial: Trial, set: &mut Set) -> Result<(), SceneError> {
+    fn fill(&self, trial: Trial, set: &mut Set) -> Result<(), SceneError> {
         match trial {
             Trial::HandsInPile => self.pile(set),
             Trial::Teleports => self.jumpy(set),
