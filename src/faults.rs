@@ -36,7 +36,7 @@
 //! | a budget of nothing | `ADVANCE_CUT`, `IMPULSES_CUT`, `REACH_CUT` | what is not proved clear by boxes stays | `without_budget_the_arm_is_held_before_the_wall_within_its_limits` |
 //! | a driven body placed, or made, inside fixed ones | `OVERLAP` | it leaves, if there is a way; it comes no deeper | `a_body_spawned_in_the_floor_and_a_wall_gets_out_of_both` |
 //! | the same before a frame that may not look | `ADVANCE_CUT`, then `OVERLAP` | the next frame looks | `overlap_is_told_of_after_a_frame_that_could_not_look` |
-//! | a loose body that leaves the world | no error | it stops there and sleeps | `nothing_that_a_host_does_breaks_an_invariant` |
+//! | a loose body that leaves the world | no error | it stops there, sleeps, and is in the way | `what_left_the_world_is_still_in_the_way_of_a_hand` |
 //! | speeds, gravity or densities beyond all use | an error, or slowed to the bound | everything stays finite | `no_speed_gravity_or_density_makes_a_frame_endless_or_a_pose_not_finite` |
 //! | an impulse that would make a body faster than any scene needs | fine | it becomes as fast as the bound | `an_impulse_makes_nothing_faster_than_the_limits` |
 //! | a piece taken from a body that moves | fine | what is left moves on as it did | `what_is_left_of_a_body_moves_as_it_did` |

@@ -33,31 +33,41 @@ const SMALL: Capacities = Capacities {
 
 #[test]
 fn what_falls_beside_more_contacts_than_there_is_room_for_stops_at_the_floor() {
+    let mut cut = false;
+    for impulse_units in [u32::MAX, 40, 30, 25, 20, 15, 10, 5] {
+        for step in 0..40_u8 {
+            cut |= fall_beside(impulse_units, step);
+        }
+    }
+    assert!(cut, "there was always room");
+}
+
+/// Three balls fall to a floor from about the same height; whether there was no room for their contacts.
+fn fall_beside(impulse_units: u32, step: u8) -> bool {
     let capacities = Capacities {
         contacts: 1,
         ..SMALL
     };
+    let mut block = Block::new(&capacities);
+    let mut world = World::create(block.bytes(), &capacities).unwrap();
+    surface(&mut world, 0.0, 0.5);
+    floor(&mut world);
+    let first = 0.3 + 0.005 * f32::from(step);
+    let balls = [first, first + 0.02, first + 0.04].map(|height| {
+        let x = 10.0 * (height - first);
+        ball(&mut world, BodyKind::Dynamic, [x, height, 0.0], 0.05)
+    });
     let mut cut = false;
-    for step in 0..40_u8 {
-        let mut block = Block::new(&capacities);
-        let mut world = World::create(block.bytes(), &capacities).unwrap();
-        surface(&mut world, 0.0, 0.5);
-        floor(&mut world);
-        let first = 0.3 + 0.005 * f32::from(step);
-        let balls = [first, first + 0.02, first + 0.04].map(|height| {
-            let x = 10.0 * (height - first);
-            ball(&mut world, BodyKind::Dynamic, [x, height, 0.0], 0.05)
-        });
-        for frame in 0..60 {
-            let report = world.step(&FrameInput::unlimited(FRAME_S));
-            cut |= report.flags & FrameReport::FULL_CONTACTS != 0;
-            for body in balls {
-                let above = position(&world, body)[1] - 0.05;
-                assert!(above > -1e-4, "{step} {frame}: {above} m");
-            }
+    for frame in 0..60 {
+        let mut input = FrameInput::unlimited(FRAME_S);
+        input.budget.impulse_units = impulse_units;
+        cut |= world.step(&input).flags & FrameReport::FULL_CONTACTS != 0;
+        for body in balls {
+            let above = position(&world, body)[1] - 0.05;
+            assert!(above > -1e-4, "{impulse_units} {step} {frame}: {above} m");
         }
     }
-    assert!(cut, "there was always room");
+    cut
 }
 
 /// Numbers in -1..1 from a seed.
@@ -222,4 +232,31 @@ fn pieces_of_what_falls_asleep_are_where_it_is() {
         slept |= world.is_asleep(body).unwrap();
     }
     assert!(slept, "it never fell asleep");
+}
+
+#[test]
+fn what_left_the_world_is_still_in_the_way_of_a_hand() {
+    let mut block = Block::new(&SMALL);
+    let mut world = World::create(block.bytes(), &SMALL).unwrap();
+    world.set_gravity([0.0; 3]);
+    let giant = add_box(
+        &mut world,
+        BodyKind::Dynamic,
+        Pose::at(1015.0, 0.0, 0.0),
+        [30.0; 3],
+    );
+    let hand = ball(&mut world, BodyKind::Driven, [970.0, 0.0, 0.0], 0.1);
+    world
+        .set_velocity(giant, [900.0, 0.0, 0.0], [0.0; 3])
+        .unwrap();
+    for frame in 0..120 {
+        let x = if frame < 60 { 970.0 } else { 1020.0 };
+        world.set_target(hand, &Pose::at(x, 0.0, 0.0)).unwrap();
+        world.step(&FrameInput::unlimited(FRAME_S));
+        let gap = position(&world, giant)[0] - 30.0 - position(&world, hand)[0] - 0.1;
+        assert!(gap > -1e-3, "{frame}: {gap} m");
+        assert!(frame != 59 || world.is_asleep(giant).unwrap());
+    }
+    assert!(position(&world, giant)[0] > 1024.0);
+    assert!(position(&world, hand)[0] > 990.0);
 }

@@ -34,9 +34,10 @@ pub(super) fn run(
             && !add_manifold(state, index, &measured, stretch, &mut count)
         {
             report.set(FrameReport::FULL_CONTACTS);
-            // What is known of the others is of an earlier event.
+            // What is known of the others is of an earlier event, and there may be no units to look.
             for pair in &mut state.islands.pairs[index + 1..pairs] {
                 pair.measured = 0;
+                pair.gap = 0.0;
             }
             break;
         }

@@ -14,7 +14,8 @@ use crate::state::rows::Mover;
 use crate::state::ways::{BodyTrack, driven_at, piece_motion, piece_pose};
 
 /// Slows a body that is faster than any scene needs, and stops one that left the world: beyond its
-/// reach there is nothing to touch, and nothing that f32 could tell apart.
+/// reach there is nothing that f32 could tell apart. It falls asleep there, and what it reaches back with is in
+/// the way as before.
 pub(super) fn keep_sane(state: &mut State, body: usize) {
     let turn = spin(state, body);
     let pose = state.bodies.pose[body];
@@ -28,7 +29,7 @@ pub(super) fn keep_sane(state: &mut State, body: usize) {
     if math::max(p.x, math::max(p.y, p.z)) > WORLD_REACH_M {
         momentum.velocity = Vec3::ZERO;
         momentum.angular = Vec3::ZERO;
-        momentum.asleep = 1;
+        state.legs.stop_time[body] = 0.0;
     }
 }
 
