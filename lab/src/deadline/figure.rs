@@ -57,7 +57,8 @@ pub fn error_svg(outcomes: &[Outcome]) -> Result<String, DrawingAreaErrorKind<st
             .y_label_area_size(72)
             .build_cartesian_2d(
                 (40.0..1250.0).log_scale(),
-                (0.5 * least..2.0 * most).log_scale(),
+                // From one power of ten to another, so that the axis has labels.
+                (10_f64.powf(least.log10().floor())..10_f64.powf(most.log10().ceil())).log_scale(),
             )?;
         chart
             .configure_mesh()
@@ -74,6 +75,7 @@ pub fn error_svg(outcomes: &[Outcome]) -> Result<String, DrawingAreaErrorKind<st
             .y_label_formatter(&|mm: &f64| format!("{mm}"))
             .light_line_style(WHITE)
             .draw()?;
+        let mut row = 0;
         for (index, trial) in Trial::ALL.into_iter().enumerate() {
             let points: Vec<(f64, f64)> = outcomes
                 .iter()
@@ -83,9 +85,13 @@ pub fn error_svg(outcomes: &[Outcome]) -> Result<String, DrawingAreaErrorKind<st
                     Some((us, outcome.error_mm_mean.max(LEAST_MM)))
                 })
                 .collect();
+            if points.is_empty() {
+                continue;
+            }
             let colour = COLOURS[index % COLOURS.len()];
             chart.draw_series([PathElement::new(points.clone(), colour.stroke_width(2))])?;
-            let y = 60 + 22 * index as i32;
+            let y = 60 + 22 * row;
+            row += 1;
             let swatch = vec![(756, y), (780, y)];
             area.draw(&PathElement::new(swatch, colour.stroke_width(3)))?;
             area.draw(&Text::new(trial.name(), (788, y - 8), ("sans-serif", 14)))?;
