@@ -348,12 +348,7 @@ impl Checker {
         overlap: &Overlap,
         report: &FrameReport,
     ) -> Result<(), Broken> {
-        // Links keep clear as their body sees them, and are published where the world's coordinates are coarser.
-        let rounded_m = match overlap.class {
-            Class::Links => rounding_m(world, overlap),
-            _ => 0.0,
-        };
-        let worst = if overlap.depth_m <= overlap.class.limit_m() + rounded_m {
+        let worst = if overlap.depth_m <= overlap.class.limit_m() {
             &mut self.worst.clean_m[overlap.class as usize]
         } else if self.is_excused(world, cast, overlap, report) {
             &mut self.worst.excused_m[overlap.class as usize]
