@@ -123,7 +123,7 @@ impl Checker {
             let afresh = cast.changes != self.seen.0;
             self.seen = seen;
             self.overlaps.measure(cast, world.piece_poses(), afresh);
-            self.known = beyond(world, self.overlaps.found());
+            self.known = beyond(world, self.overlaps.found(), &self.known);
             for overlap in self.overlaps.found() {
                 let worst = &mut self.worst.made_m[overlap.class as usize];
                 *worst = worst.max(overlap.depth_m);
@@ -315,7 +315,7 @@ impl Checker {
                 None => self.check_clean(world, cast, &overlap, report)?,
             }
         }
-        self.known = beyond(world, self.overlaps.found());
+        self.known = beyond(world, self.overlaps.found(), &self.known);
         Ok(())
     }
 
@@ -480,11 +480,19 @@ fn outside(world: &World, cast: &Cast) -> Vec<Outside> {
     found
 }
 
-/// Overlaps that are deeper than promised, with what rounding may have taken off them.
-fn beyond(world: &World, found: &[Overlap]) -> Vec<Known> {
-    let deep = found.iter().filter(|o| o.depth_m > o.class.limit_m());
-    deep.map(|overlap| (overlap.pieces, overlap.depth_m + rounding_m(world, overlap)))
-        .collect()
+/// Overlaps that are deeper than promised, with what rounding may have taken off them. One that was stays so
+/// until it is less than promised by more than rounding.
+fn beyond(world: &World, found: &[Overlap], before: &[Known]) -> Vec<Known> {
+    let mut known = Vec::new();
+    for overlap in found {
+        let rounding_m = rounding_m(world, overlap);
+        let was = before.iter().any(|(pieces, _)| *pieces == overlap.pieces);
+        let kept_m = if was { rounding_m } else { 0.0 };
+        if overlap.depth_m > overlap.class.limit_m() - kept_m {
+            known.push((overlap.pieces, overlap.depth_m + rounding_m));
+        }
+    }
+    known
 }
 
 /// What of an overlap may be rounding of the pieces' poses and of the kernel's depth, in metres.
