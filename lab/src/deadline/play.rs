@@ -11,7 +11,7 @@ use palpable::world::World;
 use serde::Serialize;
 
 use super::set::{Cast, FIXED};
-use super::stopwatch::{Taken, timed};
+use super::stopwatch::{Loop, Taken, timed};
 use super::trials::{Kit, RATE_HZ, Trial};
 use crate::hand_scene::{SceneError, poses_of_pieces};
 use crate::reference::Judge;
@@ -75,6 +75,9 @@ pub struct Outcome {
     /// Those of them that did so again when the whole run was replayed to the bit from the units that its
     /// frames reported: the work itself is too much, and not only what the machine did beside it.
     pub misses_again: u32,
+    /// After each frame that met the deadline a loop without memory ran as long as the frame had. Of these
+    /// loops, how many took longer than the deadline on the processor: what the machine does without us.
+    pub misses_loop: u32,
     /// Frames that took longer than the deadline by the wall.
     pub misses_wall: u32,
     /// Frames that took longer than they were priced.
@@ -107,6 +110,7 @@ struct Counts {
     spent: Vec<Budget>,
     cpu_ns: Vec<u64>,
     wall_ns: Vec<u64>,
+    misses_loop: u32,
     above_price: u32,
     cut: u32,
     late: u32,
@@ -132,6 +136,7 @@ pub fn play(
 ) -> Result<Outcome, SceneError> {
     let input = input(deadline_us, costs);
     let mut counts = Counts::new(frames);
+    let beside = Loop::measured();
     if deadline_us.is_none() {
         trace.clear();
     }
@@ -144,6 +149,9 @@ pub fn play(
                 continue;
             }
             counts.note(&report, taken);
+            if let Some(us) = deadline_us {
+                counts.note_loop(&beside, taken, u64::from(us) * 1000);
+            }
             let counted = frame - UNCOUNTED;
             compare(world, cast, deadline_us, counted, trace, &mut counts)?;
             if frame % JUDGED_EVERY == 0 {
@@ -287,6 +295,7 @@ impl Counts {
             spent: Vec::with_capacity(room + UNCOUNTED as usize),
             cpu_ns: Vec::with_capacity(room),
             wall_ns: Vec::with_capacity(room),
+            misses_loop: 0,
             above_price: 0,
             cut: 0,
             late: 0,
@@ -308,6 +317,13 @@ impl Counts {
         self.late += has(FrameReport::LATE);
         self.below_floor += has(FrameReport::BELOW_FLOOR);
         self.priced_ns += report.priced_ns;
+    }
+
+    /// Runs a loop as long as a frame that met its deadline took.
+    fn note_loop(&mut self, beside: &Loop, taken: Taken, most_ns: u64) {
+        if taken.cpu_ns <= most_ns {
+            self.misses_loop += u32::from(beside.run(taken.cpu_ns) > most_ns);
+        }
     }
 
     fn judge(&mut self, judge: &Judge, world: &World, cast: &Cast) -> Result<(), SceneError> {
@@ -350,6 +366,7 @@ impl Counts {
             wall_us: Times::of(self.wall_ns),
             misses_cpu,
             misses_again: late(&both),
+            misses_loop: self.misses_loop,
             misses_wall,
             above_price: self.above_price,
             cut: self.cut,

@@ -45,7 +45,7 @@ pub fn of_times(outcomes: &[Outcome]) -> String {
         "deadline [us]",
         "processor: median / 99 / 99.9 / 99.99 % / max [us]",
         "wall: the same [us]",
-        "misses: processor, those again in a replay, wall",
+        "misses: processor, those again in a replay, a loop as long, wall",
         "above price",
         "frames",
         "cut by price, by clock",
@@ -57,8 +57,8 @@ pub fn of_times(outcomes: &[Outcome]) -> String {
             right(times(&outcome.cpu_us)),
             right(times(&outcome.wall_us)),
             right(format!(
-                "{}, {}, {}",
-                outcome.misses_cpu, outcome.misses_again, outcome.misses_wall
+                "{}, {}, {}, {}",
+                outcome.misses_cpu, outcome.misses_again, outcome.misses_loop, outcome.misses_wall
             )),
             right(outcome.above_price),
             right(outcome.frames),
