@@ -177,6 +177,48 @@ fn a_ball_is_pushed_over_the_floor_without_lag() {
     assert!(end[0] > -0.3 + 0.5 * 239.0 / 60.0, "{end:?}");
 }
 
+/// A plate that leans over a ball meets it in the middle of a frame. With the floor it makes a wedge of 58
+/// degrees; a ball is jammed by friction of 0.5 below 2 atan 0.5 = 53 degrees, and goes ahead above that.
+#[test]
+fn a_ball_that_is_almost_jammed_is_pushed_without_lag() {
+    const RADIUS_M: f64 = 0.06;
+    const THICK_M: f64 = 0.01;
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    surface(&mut world, 0.0, 0.5);
+    floor(&mut world);
+    let pushed = ball(&mut world, BodyKind::Dynamic, [0.0, 0.06002, 0.0], 0.06);
+    // The face that leads points to -Z and down by 32 degrees.
+    let lean = 32.0_f64.to_radians();
+    let (down, ahead) = lean.sin_cos();
+    let turn = [
+        -(0.5 * lean).sin() as f32,
+        0.0,
+        0.0,
+        (0.5 * lean).cos() as f32,
+    ];
+    let at = |z: f32| Pose {
+        rotation: turn,
+        position: [0.0, 0.12, z],
+    };
+    let plate = add_box(
+        &mut world,
+        BodyKind::Driven,
+        at(0.2),
+        [0.3, 0.06, THICK_M as f32],
+    );
+    for frame in 0..60 {
+        let target = at(0.2 - 2.0 * frame as f32 / 60.0);
+        world.set_target(plate, &target).unwrap();
+        step(&mut world);
+        let (hand, met) = (position(&world, plate), position(&world, pushed));
+        assert_eq!(hand, target.position.map(f64::from), "frame {frame}");
+        let gap = (hand[1] - met[1]) * down + (hand[2] - met[2]) * ahead - THICK_M - RADIUS_M;
+        assert!(gap > -LOOSE_OVERLAP_M, "frame {frame}: {gap}");
+    }
+    assert!(position(&world, pushed)[2] < -1.0);
+}
+
 #[test]
 fn a_wedged_ball_stops_the_hand() {
     let mut block = Block::new(&Capacities::ROOM);

@@ -150,6 +150,9 @@ fn attempt(
     }
     gather::place(state, rows, stretch);
     let mut impulses = strike(state, rows, stretch, purse);
+    if !stretch.is_first && is_wedged(state, rows, stretch) {
+        impulses += strike_on(state, rows, stretch, purse);
+    }
     let mut wedged = !last && is_wedged(state, rows, stretch) && step_back(state, rows, stretch);
     if !wedged {
         impulses += merge(state, rows, stretch);
@@ -210,6 +213,23 @@ fn strike(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut Purse) 
     let applied = posed.strike_paid(&mut |impulses| purse.take_parts(impulses));
     for row in &mut state.rows.rows[..rows] {
         row.struck = row.impulse;
+    }
+    applied
+}
+
+/// Goes on with impacts that came to no end one after the other, as between surfaces where a ball is almost
+/// jammed: what is left of the approach is answered at all contacts together, without restitution.
+fn strike_on(state: &mut State, rows: usize, stretch: &Stretch, purse: &mut Purse) -> u32 {
+    for row in &mut state.rows.rows[..rows] {
+        row.impulse = Vec3::ZERO;
+        row.pushes = 0;
+    }
+    let mut posed = problem(state, rows, stretch);
+    posed.order = Order::Conjugate;
+    let applied = posed.settle_paid(&mut |impulses| purse.take_parts(impulses));
+    for row in &mut state.rows.rows[..rows] {
+        row.struck += row.impulse;
+        row.impulse = row.struck;
     }
     applied
 }
