@@ -396,13 +396,18 @@ enum Next {
 }
 
 impl Walk {
-    /// Gets out of overlap that the host made.
+    /// Gets out of overlap that the host made, all at once. Every other frame of those in which the body waits
+    /// goes without the search, for which there may never be enough units: its legs then lead out as far as they
+    /// are clear.
     fn leave_overlap(&mut self, state: &mut State, purse: &mut Purse) -> Result<(), PairsFull> {
         let measured = contacts::measure_touching(state, self.pairs, &self.at, purse);
         if !measured || !contacts::overlaps(state, self.pairs) {
             return Ok(());
         }
         self.flags |= DrivenReport::OVERLAPS;
+        if state.bodies.waiting[self.body].frames % 2 == 1 {
+            return Ok(());
+        }
         if let Some(root) = self.way_out(state, purse)? {
             reach::stay(state, self.body, self.at.leg);
             let goal = Position {

@@ -256,6 +256,43 @@ fn driven_bodies_take_turns_when_there_is_time_for_one() {
     }
 }
 
+/// The search for a way out takes 64 units and more, all or none.
+#[test]
+fn what_overlaps_gets_out_though_a_frame_has_less_than_the_search_takes() {
+    const RADIUS_M: f32 = 0.05;
+    const DEEP_M: f64 = 0.03;
+    for tracker_y in [0.0, 0.5] {
+        let mut world = walled();
+        floor(&mut world);
+        let at = |y: f32| Pose::at(0.0, y, 3.0);
+        let body = ball(
+            &mut world,
+            BodyKind::Driven,
+            [0.0, RADIUS_M - DEEP_M as f32, 3.0],
+            RADIUS_M,
+        );
+        world.set_target(body, &at(tracker_y)).unwrap();
+        let few = FrameInput {
+            budget: Budget {
+                advance_units: 12,
+                ..Budget::UNLIMITED
+            },
+            ..FrameInput::unlimited(FRAME_S)
+        };
+        let mut deepest = DEEP_M + 1e-6;
+        for frame in 0..120 {
+            world.step(&few);
+            let deep = f64::from(RADIUS_M) - position(&world, body)[1];
+            assert!(
+                deep <= deepest.max(1e-4),
+                "frame {frame}: {deep} after {deepest}"
+            );
+            deepest = deep;
+        }
+        assert!(deepest <= 1e-4, "still {deepest}");
+    }
+}
+
 #[test]
 fn what_the_viewer_looks_at_goes_first() {
     for near in 0..4 {
