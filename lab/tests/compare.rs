@@ -2,7 +2,8 @@
 //! that its peer plays them at all.
 
 use palpable_lab::compare::measures::{
-    DROPPED, HELD, JITTER, LAG, Measure, PRESSED, PUSH_LAG, PUSHED, SLID, TRAPPED, WALLED, measures,
+    DROPPED, HELD, JITTER, LAG, LATE_JITTER, Measure, PRESSED, PUSH_LAG, PUSHED, SLID, TRAPPED,
+    WALLED, measures,
 };
 use palpable_lab::compare::run::{play_on, slap};
 use palpable_lab::compare::scenes::Scene;
@@ -15,14 +16,17 @@ use palpable_lab::hand::Hand;
 const SEED: u64 = 1;
 const TRACKERS: usize = 2;
 
+/// Enough for a ball that a finger presses to the floor: it is almost jammed.
+const PUSH_TRACKERS: usize = 7;
+
 fn hand() -> Hand {
     Hand::load().unwrap()
 }
 
 /// Plays a scene on the kernel and holds it to its promises; the last ones name what else must be there.
-fn keeps(scene: Scene, promises: &[Measure]) {
+fn keeps(scene: Scene, trackers: usize, promises: &[Measure]) {
     let hand = hand();
-    for tracker in perturbations(SEED, TRACKERS) {
+    for tracker in perturbations(SEED, trackers) {
         let setting = scene.setting(&hand, &tracker);
         let shots = play_on(0, &setting).unwrap();
         let readings = judge(&setting, &shots).unwrap();
@@ -46,34 +50,33 @@ fn keeps(scene: Scene, promises: &[Measure]) {
 
 #[test]
 fn free_motion_has_no_lag() {
-    keeps(Scene::Free, &[LAG]);
-    keeps(Scene::Idle, &[LAG]);
+    keeps(Scene::Free, TRACKERS, &[LAG]);
+    keeps(Scene::Idle, TRACKERS, &[LAG]);
 }
 
 #[test]
 fn a_pressed_and_sliding_hand_stays_out_and_still() {
-    keeps(Scene::Press, &[PRESSED, JITTER, SLID]);
+    keeps(Scene::Press, TRACKERS, &[PRESSED, JITTER, SLID]);
 }
 
 #[test]
 fn a_pushed_ball_does_not_hold_the_hand_back() {
-    keeps(Scene::Push, &[PUSH_LAG, PUSHED]);
+    keeps(Scene::Push, PUSH_TRACKERS, &[PUSH_LAG, PUSHED]);
 }
 
 #[test]
 fn a_trapped_ball_is_still() {
-    keeps(Scene::Trap, &[TRAPPED, WALLED, JITTER]);
+    keeps(Scene::Trap, TRACKERS, &[TRAPPED, WALLED, JITTER]);
 }
 
 #[test]
 fn two_hands_hold_a_box() {
-    // Stillness is scored by `compare`: not every tracker has it.
-    keeps(Scene::Squeeze, &[DROPPED, HELD]);
+    keeps(Scene::Squeeze, TRACKERS, &[DROPPED, HELD, LATE_JITTER]);
 }
 
 #[test]
 fn two_hands_carry_a_box() {
-    keeps(Scene::Carry, &[DROPPED, HELD]);
+    keeps(Scene::Carry, TRACKERS, &[DROPPED, HELD, LATE_JITTER]);
 }
 
 #[test]

@@ -54,6 +54,16 @@ pub const WALLED: Measure = millimetres("ball in wall and floor", Some(0.3));
 pub const HELD: Measure = millimetres("hand in box", Some(0.1));
 /// How far anything goes from frame to frame under still trackers, after a second.
 pub const JITTER: Measure = millimetres("jitter under a still tracker", Some(0.0));
+/// The same after three seconds: hands that hold a box give in to it for a while.
+pub const LATE_JITTER: Measure = millimetres("jitter after three seconds", Some(0.0));
+/// How long after the trackers anything still moved by a single bit; all the rest of the scene when it never
+/// came to rest.
+pub const REST: Measure = Measure {
+    name: "at rest to the bit after",
+    unit: "s",
+    promised: None,
+    is_count: false,
+};
 /// How far the box is from where the hands should have it, at the end.
 pub const SLIPPED: Measure = millimetres("box off its place at the end", None);
 /// How far the hands that hold the box are from their trackers: what a wedged box costs.
@@ -115,11 +125,23 @@ pub fn measures(
                 (SLIPPED, slipped_mm),
                 (HELD_BACK, most(all.clone(), |r| r.lag_mm)),
                 (HELD, most(all, |r| r.hand_loose_mm)),
-                (JITTER, most(still, |r| r.moved_mm)),
+                (JITTER, most(still.clone(), |r| r.moved_mm)),
+                (
+                    LATE_JITTER,
+                    most(still.start + 2 * second..still.end, |r| r.moved_mm),
+                ),
+                (REST, rest_s(readings, still.start - second)),
             ]
         }
         Scene::Idle => vec![(LAG, most(all, |r| r.lag_mm))],
     }
+}
+
+/// Seconds from a frame to the last one in which anything moved.
+fn rest_s(readings: &[Reading], still_from: u32) -> f64 {
+    let after = &readings[still_from as usize..];
+    let last = after.iter().rposition(|r| r.moved_mm != 0.0);
+    last.map_or(0.0, |last| (last + 1) as f64) / f64::from(super::setting::RATE_HZ)
 }
 
 /// The largest median of a frame with contact and of an idle one that is promised, in microseconds.
