@@ -7,6 +7,10 @@
 /// too, or 256 tests of two boxes beyond the frame's floor, and the search of a way out of overlap that the
 /// host made takes [`crate::limits::WAY_OUT_UNITS`] and more at once. A stage that is refused a unit ends
 /// there and takes no other: with exactly the units that a frame reports it gives the same bits again.
+///
+/// Who is cut goes first in the next frame, and a body for which the search of a way out is always too much is
+/// led out by its legs. One thing is never done in part: before a driven body moves it is looked at where it
+/// is, which takes a query for each pair of pieces whose boxes overlap there. It stays while frames have less.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
