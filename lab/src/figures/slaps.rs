@@ -2,6 +2,7 @@
 
 use palpable::human::Limb;
 use palpable::limits::OVERLAP_SLOP_M;
+use palpable::math::Pose;
 use palpable::memory::PieceId;
 use palpable::world::World;
 
@@ -10,22 +11,23 @@ use super::play::{Sample, play_and};
 use super::scenes::{corners, of_slap};
 use super::{Figure, FigureIds, FigurePiece, refused};
 use crate::avatar::motions::{ArmSlap, Obstacle};
-use crate::avatar::{AvatarPlan, Link, Target};
+use crate::avatar::{AvatarPlan, Link, PiecePlan, Target};
 use crate::hand_scene::SceneError;
 use crate::reference::{self, Solid};
 use crate::report::{ArmSlaps, Quantiles};
 
-/// Overlap on the straight way between two frames that no piece of an arm stays below on a way through the
-/// plate, in millimetres: half the plate. The kernel's own way may bend round the plate's edge within a
-/// frame, where the straight one cuts the corner.
-const THROUGH_MM: f64 = 10.0;
+/// What a piece may lack of the overlap that it has halfway through the plate, in metres, for the turning
+/// between two places.
+const ROUNDING_M: f64 = 5e-4;
 
 /// Places between two frames that are looked at.
 const BETWEEN: u32 = 32;
 
 /// Plays slaps and counts those that went through the plate: the published overlap is deeper than promised,
-/// or the straight way of the angles from one published frame to the next leads through the plate. An arm
-/// that slides off the plate's edge and swings on may end behind it, too: those are counted apart.
+/// or the straight way of the angles from one published frame to the next leads through the plate. Halfway
+/// through, a piece overlaps by half of the plate and of its own width. The kernel's own way may bend round
+/// the plate's edge within a frame, where the straight one cuts the corner and overlaps by less; an arm that
+/// slides off the edge and swings on may end behind the plate, too: those are counted apart.
 ///
 /// # Errors
 /// [`SceneError`] names what the world refused.
@@ -56,12 +58,11 @@ pub fn run(
         total.speed_min = total.speed_min.min(speed);
         total.speed_max = total.speed_max.max(speed);
         let mut behind = false;
-        let mut between_mm: f64 = 0.0;
+        let mut between = Between::default();
         let mut before = slap.target(0);
         let played = play_and(&of_slap(&figure, slap), |world, ids| {
             let now = published(world, ids)?;
-            let deepest = arm.deepest_between_mm(plan, [&before, &now], &slap.plate)?;
-            between_mm = between_mm.max(deepest);
+            between = between.and(arm.between(plan, [&before, &now], &slap.plate)?);
             before = now;
             behind |= arm.is_behind(&figure, world, &ids.pieces, &slap.plate)?;
             Ok(())
@@ -79,9 +80,9 @@ pub fn run(
         total.touched += u32::from(samples.iter().any(|s| s.contacts > 0));
         times.extend(samples.iter().map(|s| s.time_us));
         total.overlap_mm_max = total.overlap_mm_max.max(deepest_mm);
-        total.overlap_between_mm_max = total.overlap_between_mm_max.max(between_mm);
+        total.overlap_between_mm_max = total.overlap_between_mm_max.max(1e3 * between.deepest_m);
         let slop_mm = 1e3 * f64::from(OVERLAP_SLOP_M);
-        if deepest_mm > slop_mm || between_mm > THROUGH_MM {
+        if deepest_mm > slop_mm || between.goes_through {
             total.tunnelled_speeds.push(speed);
         }
         total.behind += u32::from(behind);
@@ -99,6 +100,39 @@ fn published(world: &World, ids: &FigureIds) -> Result<Target, SceneError> {
     });
     let angles = angles.collect::<Result<_, SceneError>>()?;
     Ok(Target { root, angles })
+}
+
+/// What was seen on the straight way between two frames.
+#[derive(Clone, Copy, Debug, Default)]
+struct Between {
+    /// Deepest overlap with the plate.
+    deepest_m: f64,
+    /// Whether a piece came to the middle of the plate.
+    goes_through: bool,
+}
+
+impl Between {
+    fn and(self, other: Self) -> Self {
+        Self {
+            deepest_m: self.deepest_m.max(other.deepest_m),
+            goes_through: self.goes_through || other.goes_through,
+        }
+    }
+}
+
+/// How far a piece extends along a plate's normal, in metres.
+fn along_normal_m(piece: &PiecePlan, pose: &Pose, plate: &Obstacle) -> [f64; 2] {
+    let [pose, to] =
+        [pose, &plate.pose].map(|pose| reference::Pose::from_f32(pose.rotation, pose.position));
+    let normal = to.rotation * glam::DVec3::X;
+    let along = piece.points.iter().map(|point| {
+        let corner = pose.rotation * glam::DVec3::from_array(point.map(f64::from));
+        normal.dot(corner + pose.position - to.position)
+    });
+    let radius = f64::from(piece.radius_m);
+    along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+        [low.min(x - radius), high.max(x + radius)]
+    })
 }
 
 /// The right arm's pieces.
@@ -120,31 +154,43 @@ impl Arm {
         piece.link.is_some_and(|(chain, _)| chain == self.chain)
     }
 
-    /// Deepest overlap with the plate on the straight way of the angles between two frames.
-    fn deepest_between_mm(
+    /// Follows the straight way of the angles between two frames.
+    fn between(
         &self,
         plan: &AvatarPlan,
         [from, to]: [&Target; 2],
         plate: &Obstacle,
-    ) -> Result<f64, SceneError> {
+    ) -> Result<Between, SceneError> {
         let wall = Solid::from_f32(&corners(plate.half_m), 0.0);
         let wall = wall.map_err(|why| refused("plate", why))?;
         let wall = at((&wall, &plate.pose));
-        let mut between = to.clone();
-        let mut deepest: f64 = 0.0;
-        for step in 1..BETWEEN {
+        let [thick_m, ..] = plate.half_m.map(|half| 2.0 * f64::from(half));
+        let mut on_way = to.clone();
+        let mut found = Between::default();
+        let mut middles = vec![None; plan.pieces.len()];
+        for step in 0..BETWEEN {
             let share = step as f32 / BETWEEN as f32;
             let angles = from.angles[self.chain].iter().zip(&to.angles[self.chain]);
-            between.angles[self.chain] = angles.map(|(a, b)| a + share * (b - a)).collect();
-            let poses = plan.piece_poses(&between);
-            for (index, pose) in poses.iter().enumerate() {
-                if matches!(plan.pieces[index].link, Link::Behind { chain, .. } if chain == self.chain)
-                {
-                    deepest = deepest.max(depth_m(&at((&self.solids[index], pose)), &wall));
+            on_way.angles[self.chain] = angles.map(|(a, b)| a + share * (b - a)).collect();
+            for (index, pose) in plan.piece_poses(&on_way).iter().enumerate() {
+                let piece = &plan.pieces[index];
+                if !matches!(piece.link, Link::Behind { chain, .. } if chain == self.chain) {
+                    continue;
                 }
+                let [low, high] = along_normal_m(piece, pose, plate);
+                let middle = 0.5 * (low + high);
+                let step_m = middles[index].map_or(0.0, |last: f64| (middle - last).abs());
+                middles[index] = Some(middle);
+                let depth_m = depth_m(&at((&self.solids[index], pose)), &wall);
+                // The place nearest to halfway is at most half a step from there.
+                let halfway_m = 0.5 * (thick_m + high - low - step_m) - ROUNDING_M;
+                found = found.and(Between {
+                    deepest_m: depth_m,
+                    goes_through: depth_m >= halfway_m,
+                });
             }
         }
-        Ok(1e3 * deepest)
+        Ok(found)
     }
 
     /// Whether a corner of the arm is behind a plate, within its outline.
@@ -174,5 +220,27 @@ impl Arm {
             }
         }
         Ok(false)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::avatar::motions::{MOTION_HEIGHT_M, RATE_HZ, slaps};
+
+    use crate::avatar::{Style, Trunk};
+
+    #[test]
+    fn an_arm_that_swings_through_the_plate_is_seen() {
+        let plan = AvatarPlan::new(MOTION_HEIGHT_M, Style::Hulls, Trunk::Rigid);
+        let figure = Figure::of_avatar(&plan);
+        let arm = Arm::new(&plan, &figure).unwrap();
+        for slap in slaps(1).iter().take(20) {
+            // A frame's way of the tracker, with the plate in its middle.
+            let half_s = 0.5 / RATE_HZ;
+            let [from, to] = [-half_s, half_s].map(|s| slap.target_at(slap.meeting_s() + s));
+            let found = arm.between(&plan, [&from, &to], &slap.plate).unwrap();
+            assert!(found.goes_through, "{found:?} at {} m/s", slap.speed);
+        }
     }
 }

@@ -216,7 +216,7 @@ pub(super) fn slaps_sentence(slaps: &ArmSlaps) -> String {
     format!(
         "{} slaps of the arm at a plate of 20 mm, {:.1} to {:.1} m/s: {}{speeds} went through;\n\
          {INDENT}{} touched it, {} ended behind it, round its edge where none went through;\n\
-         {INDENT}overlap at most {} mm, {} mm on the straight way between frames (through: 10 mm);\n\
+         {INDENT}overlap at most {} mm, {} mm on the straight way between frames;\n\
          {INDENT}own {} mm ({} swings begin in the body), past limits {} rad;\n\
          {INDENT}frame time median / p99 / max {time} µs",
         slaps.slaps,
