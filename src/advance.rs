@@ -128,7 +128,9 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
     };
     let mut feature = pair.feature;
     let lost = lost_m(state, &pair, leg, &moving.motion_a.at(time), time);
-    let mut found = moving.clear_until(time, GAP_FLOOR_M + lost, &mut feature, 0.0);
+    let floor_m = GAP_FLOOR_M + lost;
+    let mut found = moving.clear_until(time, floor_m, &mut feature, 0.0);
+    found.clear_until = moving.clear_nearby(time, floor_m, &found);
     if is_own(state, &pair) {
         let root = leg.root.at(time);
         found.normal = root.quat() * found.normal;

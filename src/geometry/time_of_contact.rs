@@ -10,7 +10,9 @@
 //!
 //!   z(l T) >= (1 - l) z(0) + l z(T) - 4 l (1 - l) (A_a + A_b) T^2 / 8,
 //!
-//! and two support queries at the end of the stretch certify all of it. Where the roots fall along
+//! and two support queries at the end of the stretch certify all of it. With T as long as what is left of
+//! the way, A T^2 dwarfs the gap of a pair that slides along a plane, and the pair creeps; with
+//! (A_a + A_b) T^2 = 4 z(0), a gap that stays what it is certifies the whole stretch. Where the roots fall along
 //! parabolas, bow (t^2 - t) beside the straight way, that part of the deviation is known with its sign:
 //! it adds n.(bow_a - bow_b) T^2 (l^2 - l) instead of a bound.
 
@@ -91,21 +93,46 @@ impl MovingPair<'_> {
         if approach == 0.0 || reach >= 1.0 {
             return 1.0;
         }
-        let rest = 1.0 - time;
-        let end = plane_gap(
+        math::max(reach, self.along(time, 1.0, slack, floor_m, normal))
+    }
+
+    /// How long the pair is certainly clear that was found so at `time`: no less than was found, and longer
+    /// where the pieces slide along each other, judged by a stretch as short as their gap asks for.
+    ///
+    /// Cost: two support queries.
+    #[must_use]
+    pub fn clear_nearby(&self, time: f32, floor_m: f32, found: &Clearance) -> f32 {
+        let floor_m = math::min(floor_m, found.gap_m);
+        let slack = found.gap_m - floor_m;
+        let bend = math::max(self.bend(found.normal), 1e-30);
+        let end = time + math::sqrt(2.0 * slack / bend);
+        if end >= 1.0 || end <= found.clear_until {
+            return found.clear_until;
+        }
+        let until = self.along(time, end, slack, floor_m, found.normal);
+        math::max(until, found.clear_until)
+    }
+
+    /// How long the gap along `normal`, which is `slack` above the floor at `time`, stays above it, judged
+    /// by a stretch that goes to `end`.
+    fn along(&self, time: f32, end: f32, slack: f32, floor_m: f32, normal: Vec3) -> f32 {
+        let stretch = end - time;
+        let gap_m = plane_gap(
             &self.a,
             &self.b,
-            &self.motion_a.at(1.0),
-            &self.motion_b.at(1.0),
+            &self.motion_a.at(end),
+            &self.motion_b.at(end),
             normal,
         );
+        let bulge = self.bend(normal) * stretch * stretch;
+        time + stretch * first_below(slack, gap_m - floor_m, bulge)
+    }
+
+    /// How much the gap along `normal` may be bent, per square of time: A / 2, and what is known of it.
+    fn bend(&self, normal: Vec3) -> f32 {
         let unknown = 0.5 * (self.motion_a.acceleration + self.motion_b.acceleration);
         let bow = normal.dot(self.motion_a.bow - self.motion_b.bow);
-        let bulge = (unknown + bow) * rest * rest;
-        math::max(
-            reach,
-            time + rest * first_below(slack, end - floor_m, bulge),
-        )
+        unknown + bow
     }
 
     /// Upper bound of the speed at which the gap along `normal` shrinks from `time` on, per unit of time.
