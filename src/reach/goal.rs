@@ -81,31 +81,78 @@ impl Goal {
         }
     }
 
-    /// How far the height stays behind its tangent when the joints turn, to second order, in metres, and
-    /// minus the height's second derivative by each angle, in m/rad2.
-    pub(super) fn bends(&self, posture: &Posture, turned: &Row) -> (f32, Row) {
-        let at = self.at(posture);
-        let (mut spin, mut sum) = (Vec3::ZERO, Vec3::ZERO);
-        let mut curvature = [0.0; CHAIN_HINGES_MAX];
-        let moving = posture.iter().take(self.link.saturating_add(1));
-        for (joint, Placed { origin, axis, .. }) in moving.enumerate() {
-            let by = axis.cross(at - *origin);
-            let own = *axis * turned[joint];
-            sum += (2.0 * spin + own).cross(by * turned[joint]);
-            spin += own;
-            curvature[joint] = -self.normal.dot(axis.cross(by));
-        }
-        (-0.5 * self.normal.dot(sum), curvature)
+    /// Whether both ask for the same point.
+    pub(super) fn is_beside(&self, other: &Self) -> bool {
+        self.link == other.link && self.point == other.point
     }
 
-    pub(super) fn row(&self, posture: &Posture) -> Row {
+    /// The hinges that move the point, from the root on.
+    fn moving<'p>(&self, posture: &'p Posture) -> &'p [Placed] {
+        &posture[..posture.len().min(self.link.saturating_add(1))]
+    }
+
+    /// How the point turns with each hinge.
+    pub(super) fn levers(&self, posture: &Posture) -> Levers {
         let at = self.at(posture);
+        let moving = self.moving(posture).iter();
+        Levers {
+            at,
+            by: moving
+                .map(|Placed { origin, axis, .. }| axis.cross(at - *origin))
+                .collect(),
+        }
+    }
+
+    /// How the point's way bends when the joints turn, to second order.
+    pub(super) fn bends(&self, posture: &Posture, turned: &Row) -> Bends {
+        let at = self.at(posture);
+        let (mut spin, mut sum) = (Vec3::ZERO, Vec3::ZERO);
+        let moving = self.moving(posture).iter().zip(turned);
+        let across = moving
+            .map(|(Placed { origin, axis, .. }, turned)| {
+                let by = axis.cross(at - *origin);
+                let own = *axis * *turned;
+                sum += (2.0 * spin + own).cross(by * *turned);
+                spin += own;
+                axis.cross(by)
+            })
+            .collect();
+        Bends { sum, across }
+    }
+
+    pub(super) fn row(&self, levers: &Levers) -> Row {
         let mut row = [0.0; CHAIN_HINGES_MAX];
-        let moving = posture.iter().take(self.link.saturating_add(1));
-        for (slot, Placed { origin, axis, .. }) in row.iter_mut().zip(moving) {
-            *slot = self.normal.dot(axis.cross(at - *origin));
+        for (slot, by) in row.iter_mut().zip(&levers.by) {
+            *slot = self.normal.dot(*by);
         }
         row
+    }
+}
+
+/// Derivatives of a point's place by the angles, in metres per radian.
+pub(super) struct Levers {
+    /// Where the point is.
+    pub at: Vec3,
+    by: ArrayVec<Vec3, CHAIN_HINGES_MAX>,
+}
+
+/// Second derivatives of a point's place.
+pub(super) struct Bends {
+    /// Twice how far the point leaves its tangent, in metres.
+    sum: Vec3,
+    /// By each angle alone, in m/rad2.
+    across: ArrayVec<Vec3, CHAIN_HINGES_MAX>,
+}
+
+impl Bends {
+    /// How far a height stays behind its tangent, in metres.
+    pub(super) fn short_m(&self, normal: Vec3) -> f32 {
+        -0.5 * normal.dot(self.sum)
+    }
+
+    /// Minus a height's second derivative by each angle, in m/rad2.
+    pub(super) fn curvature(&self, normal: Vec3) -> impl Iterator<Item = f32> {
+        self.across.iter().map(move |across| -normal.dot(*across))
     }
 }
 

@@ -26,9 +26,10 @@ mod spot;
 pub use program::PASSES_MAX;
 
 use super::goal::{Angles, Reached, Task};
+use crate::limits::CHAIN_HINGES_MAX;
 use crate::math;
 use alone::turned_alone;
-use program::Program;
+use program::{NARROW, Program};
 use spot::Spot;
 
 /// Most that an angle changes in one step, in radians: beyond it the linearised goals mean little.
@@ -125,10 +126,13 @@ fn descend(
     while used < steps && pay() {
         used += 1;
         let was_met = spot.is_met;
-        let mut program = Program::new(task, spot, used > 1 && !was_met, damping);
-        program.solve(task);
-        program.bend(task, spot);
-        let Some(next) = guarded(task, spot, &program) else {
+        let restores = used > 1 && !was_met;
+        let next = if spot.q.len() <= NARROW {
+            step::<NARROW>(task, spot, restores, damping)
+        } else {
+            step::<CHAIN_HINGES_MAX>(task, spot, restores, damping)
+        };
+        let Some(next) = next else {
             if was_met || damping >= DAMPING_MAX {
                 break;
             }
@@ -167,21 +171,27 @@ fn descend(
     used
 }
 
+/// Where one step comes to, by a program for at most `W` joints.
+fn step<const W: usize>(task: &Task, spot: &Spot, restores: bool, damping: f32) -> Option<Spot> {
+    let mut program = Program::<W>::new(task, spot, restores, damping);
+    program.solve(task);
+    program.bend(task, spot);
+    guarded(task, spot, &program.angles(), program.penalty())
+}
+
 fn most_turned(from: &Angles, to: &[f32]) -> f32 {
     let turned = from.iter().zip(to).map(|(a, b)| (a - b).abs());
     turned.fold(0.0, math::max)
 }
 
 /// The longest part of the way to a program's angles that is worth going, as a spot.
-fn guarded(task: &Task, spot: &Spot, program: &Program) -> Option<Spot> {
-    let next = program.angles();
-    let most = most_turned(&spot.q, &next);
+fn guarded(task: &Task, spot: &Spot, next: &Angles, penalty: f32) -> Option<Spot> {
+    let most = most_turned(&spot.q, next);
     let mut share = if most > TURN_MAX {
         TURN_MAX / most
     } else {
         1.0
     };
-    let penalty = program.penalty();
     for _ in 0..=HALVINGS_MAX {
         let part = |(a, b): (&f32, &f32)| {
             if share == 1.0 {
@@ -190,10 +200,14 @@ fn guarded(task: &Task, spot: &Spot, program: &Program) -> Option<Spot> {
                 a + (b - a) * share
             }
         };
-        let trial = spot.q.iter().zip(&next).map(part).collect();
+        let trial = spot.q.iter().zip(next).map(part).collect();
         if let Some(trial) = worth(task, spot, trial, penalty) {
             let lags = !trial.is_met && trial.shortfall > LAG * spot.shortfall;
-            let alone = turned_alone(task, spot).filter(|_| lags);
+            let alone = if lags {
+                turned_alone(task, spot)
+            } else {
+                None
+            };
             let alone = alone.and_then(|q| worth(task, &trial, q, penalty));
             return Some(alone.unwrap_or(trial));
         }

@@ -17,8 +17,12 @@ use crate::reach::goal::{Angles, Goal, Task};
 pub(super) fn turned_alone(task: &Task, spot: &Spot) -> Option<Angles> {
     let goal = worst(task, spot)?;
     let need = -goal.above_m(&spot.placed);
-    let row = goal.row(&spot.placed);
-    let (_, curvature) = goal.bends(&spot.placed, &[0.0; CHAIN_HINGES_MAX]);
+    let row = goal.row(&goal.levers(&spot.placed));
+    let bends = goal.bends(&spot.placed, &[0.0; CHAIN_HINGES_MAX]);
+    let mut curvature = [0.0; CHAIN_HINGES_MAX];
+    for (slot, bend) in curvature.iter_mut().zip(bends.curvature(goal.normal)) {
+        *slot = bend;
+    }
     let mut best = (0, 0.0);
     let mut least = need.abs();
     for (joint, (hinge, &angle)) in task.hinges.iter().zip(&spot.q).enumerate() {

@@ -17,7 +17,7 @@ use super::spot::Spot;
 use crate::geometry::chain::Hinge;
 use crate::limits::{CHAIN_GOALS_MAX, CHAIN_HINGES_MAX};
 use crate::math;
-use crate::reach::goal::{Angles, CHAIN_BALLS_MAX, Row, Task};
+use crate::reach::goal::{Angles, CHAIN_BALLS_MAX, Goal, Row, Task};
 
 /// Most factorisations in one solution of a step's program, of which there are at most three.
 pub const PASSES_MAX: u32 = 7;
@@ -32,7 +32,10 @@ const PENALTY_FACTOR: f32 = 1.5;
 type Rows<T> = ArrayVec<T, ROWS_MAX>;
 
 /// Soft goals of 1e-5 m2/rad2 against hard ones mean forces of 1e4 that cancel: f32 would not do.
-type Wide = [f64; CHAIN_HINGES_MAX];
+type Wide<const W: usize> = [f64; W];
+
+/// Chains of no more hinges than this have programs of this width.
+pub(super) const NARROW: usize = CHAIN_HINGES_MAX / 2;
 
 /// Goals that bend away by no more than this part of the tolerance are taken for straight.
 const BEND_MIN: f32 = 0.25;
@@ -56,8 +59,8 @@ fn lead(short: f32) -> f32 {
 }
 
 /// One linearised goal or edge.
-struct Line {
-    row: Wide,
+struct Line<const W: usize> {
+    row: Wide<W>,
     least: f64,
     is_exact: bool,
     softness: f64,
@@ -70,19 +73,20 @@ struct Line {
     presses: bool,
 }
 
-pub(super) struct Program {
-    lines: Rows<Line>,
+/// A program for at most `W` joints.
+pub(super) struct Program<const W: usize> {
+    lines: Rows<Line<W>>,
     /// The angles that the change is least from, zero beyond the joints.
-    reference: Wide,
-    y: Wide,
+    reference: Wide<W>,
+    y: Wide<W>,
     joints: usize,
     /// The reference before springs are added.
-    tracked: Wide,
+    tracked: Wide<W>,
     /// How far a unit of force turns each joint.
-    give: Wide,
+    give: Wide<W>,
 }
 
-impl Program {
+impl<const W: usize> Program<W> {
     /// The program at a spot; `restores` asks for the least change from there instead of from the
     /// tracked angles.
     pub(super) fn new(task: &Task, spot: &Spot, restores: bool, damping: f32) -> Self {
@@ -99,19 +103,22 @@ impl Program {
             y: reference,
             joints,
             tracked: reference,
-            give: [1.0; CHAIN_HINGES_MAX],
+            give: [1.0; W],
         };
         let mut largest = 0.0;
-        for goal in task.used_goals() {
-            let row = goal.row(&spot.placed);
-            let softness = if goal.is_hard() { 0.0 } else { goal.softness };
-            let row = widened(&row);
-            let least = product(&row, &q) - f64::from(goal.above_m(&spot.placed));
-            let line = Line::new(row, least, goal.is_exact, f64::from(softness));
-            if goal.is_hard() {
-                largest = math::max_f64(line.stiffness, largest);
+        for beside in task.used_goals().chunk_by(Goal::is_beside) {
+            let levers = beside[0].levers(&spot.placed);
+            for goal in beside {
+                let row = widened(&goal.row(&levers));
+                let softness = if goal.is_hard() { 0.0 } else { goal.softness };
+                let above_m = goal.normal.dot(levers.at) - goal.height_m;
+                let least = product(&row, &q) - f64::from(above_m);
+                let line = Line::new(row, least, goal.is_exact, f64::from(softness));
+                if goal.is_hard() {
+                    largest = math::max_f64(line.stiffness, largest);
+                }
+                new.lines.push(line);
             }
-            new.lines.push(line);
         }
         for line in &mut new.lines {
             line.added =
@@ -122,7 +129,7 @@ impl Program {
         new
     }
 
-    fn add_cones(&mut self, task: &Task, spot: &Spot, q: &Wide) {
+    fn add_cones(&mut self, task: &Task, spot: &Spot, q: &Wide<W>) {
         for ball in task.used_balls() {
             if ball.first.saturating_add(2) >= self.joints {
                 continue;
@@ -130,7 +137,7 @@ impl Program {
             let limb = ball.limb(&spot.q);
             let [by_a, by_b] = ball.limb_slopes(&spot.q);
             for normal in ball.walls(limb) {
-                let mut row = [0.0; CHAIN_HINGES_MAX];
+                let mut row = [0.0; W];
                 row[ball.first] = f64::from(normal.dot(by_a));
                 row[ball.first + 1] = f64::from(normal.dot(by_b));
                 let least = product(&row, q) - f64::from(normal.dot(limb));
@@ -160,19 +167,25 @@ impl Program {
             }
             let mut most = 0.0;
             let mut curved = [0.0; CHAIN_HINGES_MAX];
-            for (line, goal) in self.lines.iter_mut().zip(task.used_goals()) {
-                if !line.presses {
-                    continue;
-                }
-                let (short_m, curvature) = goal.bends(&spot.placed, &turned);
-                most = math::max(short_m.abs(), most);
-                for (sum, c) in curved.iter_mut().zip(&curvature) {
-                    *sum += part * line.force as f32 * c;
-                }
-                if leads && line.softness == 0.0 {
-                    let gain = product(&line.row, &widened(&turned));
-                    let share = lead((f64::from(short_m) / gain) as f32);
-                    line.least += gain * f64::from((share - 1.0) / part);
+            let mut lines = self.lines.iter_mut();
+            for beside in task.used_goals().chunk_by(Goal::is_beside) {
+                // What goals of one point have in common, once one of them presses.
+                let mut bends = None;
+                for (goal, line) in beside.iter().zip(&mut lines) {
+                    if !line.presses {
+                        continue;
+                    }
+                    let bends = bends.get_or_insert_with(|| goal.bends(&spot.placed, &turned));
+                    let short_m = bends.short_m(goal.normal);
+                    most = math::max(short_m.abs(), most);
+                    for (sum, c) in curved.iter_mut().zip(bends.curvature(goal.normal)) {
+                        *sum += part * line.force as f32 * c;
+                    }
+                    if leads && line.softness == 0.0 {
+                        let gain = product(&line.row, &widened(&turned));
+                        let share = lead((f64::from(short_m) / gain) as f32);
+                        line.least += gain * f64::from((share - 1.0) / part);
+                    }
                 }
             }
             if most <= BEND_MIN * task.tolerance_m {
@@ -223,7 +236,7 @@ impl Program {
     }
 
     pub(super) fn solve(&mut self, task: &Task) {
-        let mut free = [0.0; CHAIN_HINGES_MAX];
+        let mut free = [0.0; W];
         free[..self.joints].fill(1.0);
         for _ in 0..PASSES_MAX {
             self.balance(&free);
@@ -247,10 +260,10 @@ impl Program {
     }
 
     /// Where the forces pull joints that have no limits.
-    fn pulled(&self) -> Wide {
+    fn pulled(&self) -> Wide<W> {
         let mut pulled = self.reference;
         for line in self.lines.iter().filter(|line| line.presses) {
-            for j in 0..CHAIN_HINGES_MAX {
+            for j in 0..W {
                 pulled[j] += line.row[j] * self.give[j] * line.force;
             }
         }
@@ -259,24 +272,38 @@ impl Program {
 
     /// The forces with which the pressing rows hold, the joints that are not free staying where they
     /// are.
-    fn balance(&mut self, free: &Wide) {
-        let mut held = self.y;
-        for (held, (&free, &reference)) in held.iter_mut().zip(free.iter().zip(&self.reference)) {
-            if free != 0.0 {
-                *held = reference;
-            }
-        }
-        let mut matrix = [[0.0_f64; ROWS_MAX]; ROWS_MAX];
-        let mut right = [0.0_f64; ROWS_MAX];
+    fn balance(&mut self, free: &Wide<W>) {
         let pressing: Rows<usize> = (0..self.lines.len())
             .filter(|&index| self.lines[index].presses)
             .collect();
+        // Few rows press as a rule: no more of the matrix is cleared than is used.
+        match pressing.len() {
+            0..=4 => self.balance_few::<4>(free, &pressing),
+            5..=8 => self.balance_few::<8>(free, &pressing),
+            9..=12 => self.balance_few::<12>(free, &pressing),
+            _ => self.balance_few::<ROWS_MAX>(free, &pressing),
+        }
+    }
+
+    /// The same for at most `N` pressing rows.
+    fn balance_few<const N: usize>(&mut self, free: &Wide<W>, pressing: &[usize]) {
+        let mut held = self.y;
+        let mut give = self.give;
+        for j in 0..W {
+            if free[j] != 0.0 {
+                held[j] = self.reference[j];
+            } else {
+                give[j] = 0.0;
+            }
+        }
+        let mut matrix = [[0.0_f64; N]; N];
+        let mut right = [0.0_f64; N];
         for (i, &index) in pressing.iter().enumerate() {
             let line = &self.lines[index];
             right[i] = line.least - product(&line.row, &held);
             let mut moved = line.row;
-            for j in 0..CHAIN_HINGES_MAX {
-                moved[j] *= free[j] * self.give[j];
+            for j in 0..W {
+                moved[j] *= give[j];
             }
             for (j, &other) in pressing.iter().enumerate().take(i + 1) {
                 matrix[i][j] = product(&moved, &self.lines[other].row);
@@ -297,8 +324,8 @@ impl Program {
 /// Damping of a cone's rows, as a part of their own diagonal entry.
 const CONE_DAMPING: f64 = 1e-6;
 
-impl Line {
-    fn new(row: Wide, least: f64, is_exact: bool, softness: f64) -> Self {
+impl<const W: usize> Line<W> {
+    fn new(row: Wide<W>, least: f64, is_exact: bool, softness: f64) -> Self {
         Self {
             row,
             least,
@@ -320,8 +347,8 @@ fn difference(a: &[f32], b: &[f32]) -> Row {
     row
 }
 
-fn padded(angles: &[f32]) -> Wide {
-    let mut row = [0.0; CHAIN_HINGES_MAX];
+fn padded<const W: usize>(angles: &[f32]) -> Wide<W> {
+    let mut row = [0.0; W];
     for (slot, &angle) in row.iter_mut().zip(angles) {
         *slot = f64::from(angle);
     }
@@ -340,24 +367,26 @@ fn kept(hinge: &Hinge, angle: f64) -> f64 {
     }
 }
 
-fn widened(row: &Row) -> Wide {
-    row.map(f64::from)
+fn widened<const W: usize>(row: &Row) -> Wide<W> {
+    core::array::from_fn(|joint| f64::from(row[joint]))
 }
 
 /// Eight sums side by side, then one fixed tree.
-fn product(a: &Wide, b: &Wide) -> f64 {
-    const HALF: usize = CHAIN_HINGES_MAX / 2;
-    let mut s = [0.0; HALF];
-    for k in 0..HALF {
-        s[k] = a[k] * b[k] + a[k + HALF] * b[k + HALF];
+fn product<const W: usize>(a: &Wide<W>, b: &Wide<W>) -> f64 {
+    let mut s = [0.0; NARROW];
+    for k in 0..NARROW {
+        s[k] = a[k] * b[k];
+    }
+    for k in NARROW..W {
+        s[k - NARROW] += a[k] * b[k];
     }
     ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]))
 }
 
 /// Solves a symmetric positive definite system in place (Cholesky without roots).
-fn solve_symmetric(
-    matrix: &mut [[f64; ROWS_MAX]; ROWS_MAX],
-    right: &mut [f64; ROWS_MAX],
+fn solve_symmetric<const N: usize>(
+    matrix: &mut [[f64; N]; N],
+    right: &mut [f64; N],
     count: usize,
 ) {
     for i in 0..count {
