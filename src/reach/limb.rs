@@ -269,15 +269,16 @@ impl<'p> Problem<'p> {
         self.project_tip(&start);
         state.chains.depth[self.limb.chain] = depth;
         if depth <= TOLERANCE_M {
-            return (self.wanted.clone(), self.swing(state, from, self.wanted));
+            let solved = self.swing(state, from, self.wanted, [&start, &wanted]);
+            return (self.wanted.clone(), solved);
         }
-        let (angles, mut reached) = self.rounds(state, from, steps);
+        let (angles, posture, mut reached) = self.rounds(state, from, steps);
         if state.chains.report[self.limb.chain].flags & ChainReport::CUT != 0 {
             // A chain that was cut asks nothing of the root: it goes on in the next frame.
             reached = 0.0;
         }
-        self.report(state, &angles, reached, missed);
-        let mut solved = self.swing(state, from, &angles);
+        self.report(state, &posture, reached, missed);
+        let mut solved = self.swing(state, from, &angles, [&start, &posture]);
         solved.bent = true;
         if self.is_still(state, from, &angles) {
             return (from.clone(), solved);
@@ -285,8 +286,14 @@ impl<'p> Problem<'p> {
         (angles, solved)
     }
 
-    /// Solves, looks for lower points, and solves again; the angles and what is missed there.
-    fn rounds(&mut self, state: &mut State, from: &Angles, steps: &mut Purse) -> (Angles, f32) {
+    /// Solves, looks for lower points, and solves again; the angles, where they take the links and what is
+    /// missed there.
+    fn rounds(
+        &mut self,
+        state: &mut State,
+        from: &Angles,
+        steps: &mut Purse,
+    ) -> (Angles, Posture, f32) {
         let chain = self.limb.chain;
         let descends = state.chains.options[chain].method == ChainOptions::CYCLIC_DESCENT;
         let mut angles = if descends {
@@ -294,7 +301,7 @@ impl<'p> Problem<'p> {
         } else {
             from.clone()
         };
-        let mut missed_m = 0.0;
+        let (mut posture, mut missed_m) = (Posture::new(), 0.0);
         for _ in 0..ROUNDS {
             let most = REACH_STEPS_PER_LEG_MAX;
             let mut refused = false;
@@ -316,18 +323,23 @@ impl<'p> Problem<'p> {
                 state.chains.report[chain].flags |= ChainReport::CUT;
             }
             missed_m = found.missed_m;
-            let posture = self.posture(state, &angles);
+            posture = self.posture(state, &angles);
             self.project_tip(&posture);
             if !self.look(state, &posture) || deepest_m(&self.goals, &posture) <= TOLERANCE_M {
                 break;
             }
         }
-        (angles, missed_m)
+        (angles, posture, missed_m)
     }
 
     /// Writes down what is missed, and asks the root for it.
-    fn report(&self, state: &mut State, angles: &Angles, missed_m: f32, missed: &mut HalfSpaces) {
-        let posture = self.posture(state, angles);
+    fn report(
+        &self,
+        state: &mut State,
+        posture: &Posture,
+        missed_m: f32,
+        missed: &mut HalfSpaces,
+    ) {
         let report = &mut state.chains.report[self.limb.chain];
         report.flags |= ChainReport::BENT;
         report.missed_m = missed_m;
@@ -340,20 +352,19 @@ impl<'p> Problem<'p> {
         }
         let moved = self.limb.goal.root.translation() - self.limb.wanted.root.translation();
         for goal in &self.goals[self.soft..] {
-            let short = goal.missed_m(&posture);
+            let short = goal.missed_m(posture);
             if short > MISSED_M {
                 add(missed, goal.normal, short + goal.normal.dot(moved));
             }
         }
     }
 
-    /// How far the goals' points swing toward their planes half way, compared to both ends.
-    fn swing(&self, state: &State, from: &Angles, to: &Angles) -> Solved {
+    /// How far the goals' points swing toward their planes half way, compared to the links at both ends.
+    fn swing(&self, state: &State, from: &Angles, to: &Angles, ends: [&Posture; 2]) -> Solved {
         let middle: Angles = from.iter().zip(to).map(|(a, b)| 0.5 * (a + b)).collect();
-        let ends = [from, to].map(|angles| self.posture(state, angles));
         let middle = self.posture(state, &middle);
         let swing_m = self.goals[self.soft..].iter().fold(0.0, |most, goal| {
-            let mean = 0.5 * (goal.above_m(&ends[0]) + goal.above_m(&ends[1]));
+            let mean = 0.5 * (goal.above_m(ends[0]) + goal.above_m(ends[1]));
             math::max(mean - goal.above_m(&middle), most)
         });
         Solved {
