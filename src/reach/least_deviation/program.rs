@@ -383,7 +383,8 @@ fn product<const W: usize>(a: &Wide<W>, b: &Wide<W>) -> f64 {
     ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]))
 }
 
-/// Solves a symmetric positive definite system in place (Cholesky without roots).
+/// Solves a symmetric positive definite system in place (Cholesky without roots). Rows are worked on as a
+/// whole, what nobody reads any more included: loops of one length are straight lines.
 fn solve_symmetric<const N: usize>(
     matrix: &mut [[f64; N]; N],
     right: &mut [f64; N],
@@ -392,7 +393,7 @@ fn solve_symmetric<const N: usize>(
     for i in 0..count {
         for j in 0..i {
             let factor = matrix[i][j] / matrix[j][j];
-            for k in j..count {
+            for k in 0..N {
                 matrix[i][k] -= factor * matrix[j][k];
             }
             right[i] -= factor * right[j];
