@@ -20,7 +20,7 @@ pub(crate) struct Swept {
     pub cut: bool,
 }
 
-/// Advances until a pair blocks the way, all are clear to the end, or the budget runs out.
+/// Advances a body whose ways on the leg are measured until a pair blocks the way, all are clear to the end, or the budget runs out.
 ///
 /// Always takes the pair that is certified for the shortest time and certifies it further, so that
 /// only the pairs that matter are queried, and the body may stop at any time at the least certified
@@ -67,7 +67,6 @@ pub(crate) fn run(state: &mut State, pairs: usize, leg: &BodyTrack, purse: &mut 
 
 /// What is known of the gaps, as shares of this leg.
 fn start(state: &mut State, pairs: usize, leg: &BodyTrack) {
-    forget_ways(state, pairs);
     for index in 0..pairs {
         let pair = state.pairs.list[index];
         let way = way_of(state, &pair, leg);
@@ -83,30 +82,32 @@ fn start(state: &mut State, pairs: usize, leg: &BodyTrack) {
     }
 }
 
-/// The ways of the leg before are none of this one.
-fn forget_ways(state: &mut State, pairs: usize) {
-    for index in 0..pairs {
-        let pair = &state.pairs.list[index];
-        for piece in [pair.a as usize, pair.b as usize] {
-            state.pairs.way[piece] = -1.0;
-            state.pairs.own_way[piece] = -1.0;
-        }
+/// How far the pieces of a body go on a leg, in metres: written down for its pairs; the farthest of them.
+pub(crate) fn measure_ways(state: &mut State, body: usize, leg: &BodyTrack) -> f32 {
+    let mut farthest = 0.0;
+    let mut next = state.bodies.first_piece[body];
+    while let Some(piece) = next.checked_sub(1) {
+        let piece = piece as usize;
+        let way = piece_motion(state, piece, leg).way_m();
+        state.pairs.way[piece] = way;
+        state.pairs.own_way[piece] = -1.0;
+        farthest = math::max(farthest, way);
+        next = state.pieces.next[piece];
     }
+    farthest
 }
 
-/// How much nearer the pieces of a pair can come on the whole leg, in metres. Worked out once a piece.
+/// How much nearer the pieces of a pair can come on the whole leg, in metres.
 fn way_of(state: &mut State, pair: &Pair, leg: &BodyTrack) -> f32 {
     let (a, b) = (pair.a as usize, pair.b as usize);
     if is_own(state, pair) {
         own_way(state, a, leg) + own_way(state, b, leg)
     } else {
-        if state.pairs.way[a] < 0.0 {
-            state.pairs.way[a] = piece_motion(state, a, leg).way_m();
-        }
         state.pairs.way[a]
     }
 }
 
+/// How far a piece goes as its own root sees it. Worked out once a leg.
 fn own_way(state: &mut State, piece: usize, leg: &BodyTrack) -> f32 {
     if state.pairs.own_way[piece] < 0.0 {
         state.pairs.own_way[piece] = piece_motion(state, piece, &leg.in_root()).way_m();

@@ -30,9 +30,7 @@ use crate::state::islands::GiveWay;
 use crate::state::loose;
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::purse::Purse;
-use crate::state::ways::{
-    BodyTrack, Leg, Position, driven_at, in_world, piece_motion, piece_pose, track,
-};
+use crate::state::ways::{Leg, Position, driven_at, in_world, piece_pose, track};
 use crate::{advance, contacts, pairs};
 use line::Line;
 
@@ -513,7 +511,7 @@ impl Walk {
     /// Walks a planned leg as far as it is clear and worth a step.
     fn sweep(&mut self, state: &mut State, plan: &Plan, purse: &mut Purse) -> Next {
         let leg = track(&self.at, &plan.goal);
-        let way = way_m(state, self.body, &leg);
+        let way = advance::measure_ways(state, self.body, &leg);
         if plan.bent && way < STILL_M {
             return Next::Done;
         }
@@ -563,15 +561,6 @@ fn held(state: &State, body: usize) -> u32 {
     } else {
         0
     }
-}
-
-/// The longest way of any point of the body.
-fn way_m(state: &State, body: usize, leg: &BodyTrack) -> f32 {
-    let mut way = 0.0;
-    for piece in PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]) {
-        way = math::max(way, piece_motion(state, piece, leg).way_m());
-    }
-    way
 }
 
 /// Adds a leg, of which `reached` was found clear, and gives where it ends. Time is shared out as if the
@@ -624,10 +613,13 @@ fn hand_over(state: &mut State, body: usize, leg: usize, reached: f32) {
         for joint in joints_of(state, index as usize) {
             let (from, to) = (state.ways.from[slot + joint], state.ways.to[slot + joint]);
             state.ways.from[next + joint] = angle_at(from, to, reached);
+            state.ways.from_link[next + joint] = state.ways.to_link[slot + joint];
         }
         chain = next_chain(state, index as usize);
     }
-    place_links(state, body, leg + 1, End::From);
+    if reached < 1.0 {
+        place_links(state, body, leg + 1, End::From);
+    }
     reach::stay(state, body, leg + 1);
 }
 

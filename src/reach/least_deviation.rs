@@ -203,11 +203,7 @@ fn guarded(task: &Task, spot: &Spot, next: &Angles, penalty: f32) -> Option<Spot
         let trial = spot.q.iter().zip(next).map(part).collect();
         if let Some(trial) = worth(task, spot, trial, penalty) {
             let lags = !trial.is_met && trial.shortfall > LAG * spot.shortfall;
-            let alone = if lags {
-                turned_alone(task, spot)
-            } else {
-                None
-            };
+            let alone = if lags { turned_alone(task, spot) } else { None };
             let alone = alone.and_then(|q| worth(task, &trial, q, penalty));
             return Some(alone.unwrap_or(trial));
         }

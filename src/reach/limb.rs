@@ -333,13 +333,7 @@ impl<'p> Problem<'p> {
     }
 
     /// Writes down what is missed, and asks the root for it.
-    fn report(
-        &self,
-        state: &mut State,
-        posture: &Posture,
-        missed_m: f32,
-        missed: &mut HalfSpaces,
-    ) {
+    fn report(&self, state: &mut State, posture: &Posture, missed_m: f32, missed: &mut HalfSpaces) {
         let report = &mut state.chains.report[self.limb.chain];
         report.flags |= ChainReport::BENT;
         report.missed_m = missed_m;

@@ -34,18 +34,35 @@ pub(super) fn goes_with_root(state: &State, chain: usize) -> bool {
 
 /// Sets the angles at the end of a leg to the wanted ones.
 pub(crate) fn propose(state: &mut State, body: usize, leg: usize) {
+    set_wanted(state, body, leg);
+    place_links(state, body, leg, End::To);
+}
+
+/// The same for a leg whose links were placed in this frame: where no angle changes they stay.
+fn propose_again(state: &mut State, body: usize, leg: usize) {
+    if set_wanted(state, body, leg) {
+        place_links(state, body, leg, End::To);
+    }
+}
+
+/// Whether that changed any angle.
+fn set_wanted(state: &mut State, body: usize, leg: usize) -> bool {
     let slot = slot_range(state, leg).start;
     let chains: Chains = chains_of(state, body).collect();
+    let mut changed = false;
     for chain in chains {
         for joint in joints_of(state, chain) {
-            state.ways.to[slot + joint] = if state.ways.held[chain] == 1 {
+            let wanted = if state.ways.held[chain] == 1 {
                 state.ways.from[slot + joint]
             } else {
                 state.ways.wanted[joint]
             };
+            let to = &mut state.ways.to[slot + joint];
+            changed |= to.to_bits() != wanted.to_bits();
+            *to = wanted;
         }
     }
-    place_links(state, body, leg, End::To);
+    changed
 }
 
 /// Sets the angles at the end of a leg to those at its start.
@@ -214,7 +231,7 @@ struct Planner {
 impl Planner {
     /// The plan, and how far its chains swing toward their planes on the way, in metres.
     fn plan(&self, state: &mut State, wanted: &Position, steps: &mut Purse) -> (Plan, f32) {
-        propose(state, self.body, self.at.leg);
+        propose_again(state, self.body, self.at.leg);
         let mut missed = HalfSpaces::new();
         let mut plan = self.root(state, wanted, &missed);
         let mut found = self.chains(state, wanted, &plan.goal, steps, &mut missed);

@@ -385,11 +385,7 @@ fn product<const W: usize>(a: &Wide<W>, b: &Wide<W>) -> f64 {
 
 /// Solves a symmetric positive definite system in place (Cholesky without roots). Rows are worked on as a
 /// whole, what nobody reads any more included: loops of one length are straight lines.
-fn solve_symmetric<const N: usize>(
-    matrix: &mut [[f64; N]; N],
-    right: &mut [f64; N],
-    count: usize,
-) {
+fn solve_symmetric<const N: usize>(matrix: &mut [[f64; N]; N], right: &mut [f64; N], count: usize) {
     for i in 0..count {
         for j in 0..i {
             let factor = matrix[i][j] / matrix[j][j];
