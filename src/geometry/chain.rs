@@ -31,6 +31,14 @@ impl Hinge {
     pub fn kept(&self, angle_rad: f32) -> f32 {
         math::clamp(angle_rad, self.low_rad, self.high_rad)
     }
+
+    /// The frame of the link behind the hinge, in the frame of what the hinge hangs on.
+    #[inline]
+    #[must_use]
+    pub fn behind(&self, angle_rad: f32) -> Pose {
+        let turn = turn_about(self.axis, angle_rad);
+        Pose::new(self.rest.quat() * turn, self.rest.translation())
+    }
 }
 
 /// The reach cone of a ball joint: three hinges in one place with the axes X, Y and Z of one frame, the
@@ -296,12 +304,11 @@ pub fn posture(hinges: &[Hinge], root: &Pose, angles: &[f32]) -> Posture {
         .zip(angles)
         .take(CHAIN_HINGES_MAX)
         .map(|(hinge, &angle)| {
-            let at = link.then(&hinge.rest);
-            let turn = at.quat() * turn_about(hinge.axis, angle);
-            link = Pose::new(math::renormalised(turn), at.translation());
+            let behind = link.then(&hinge.behind(angle));
+            link = Pose::new(math::renormalised(behind.quat()), behind.translation());
             Placed {
-                origin: at.translation(),
-                axis: at.quat() * hinge.axis,
+                origin: link.translation(),
+                axis: link.quat() * hinge.axis,
                 link,
             }
         })

@@ -1,7 +1,5 @@
 //! Trees of hinges: where a link is while the angles change, and bounds on how fast it moves.
 
-use glam::Quat;
-
 use super::chain::Hinge;
 use crate::math::{self, Pose};
 
@@ -34,13 +32,7 @@ impl Linkage<'_> {
     /// The frame of the link behind a hinge, in the frame of what the hinge hangs on.
     #[must_use]
     pub fn behind(&self, joint: usize, angle_rad: f32) -> Pose {
-        let hinge = &self.hinges[joint];
-        let (s, c) = (math::sin(0.5 * angle_rad), math::cos(0.5 * angle_rad));
-        let v = hinge.axis * s;
-        Pose::new(
-            hinge.rest.quat() * Quat::from_xyzw(v.x, v.y, v.z, c),
-            hinge.rest.translation(),
-        )
+        self.hinges[joint].behind(angle_rad)
     }
 }
 

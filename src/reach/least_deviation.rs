@@ -192,7 +192,13 @@ fn guarded(task: &Task, spot: &Spot, next: &Angles, penalty: f32) -> Option<Spot
     } else {
         1.0
     };
-    for _ in 0..=HALVINGS_MAX {
+    // What ends the search is not halved.
+    let halvings = if spot.is_met && most <= TURN_MIN {
+        0
+    } else {
+        HALVINGS_MAX
+    };
+    for _ in 0..=halvings {
         let part = |(a, b): (&f32, &f32)| {
             if share == 1.0 {
                 *b
