@@ -9,7 +9,7 @@ use glam::Vec3;
 use super::Plan;
 use super::skeleton::goes_with_root;
 use crate::geometry::time_of_contact::plane_gap;
-use crate::limits::{GAP_REST_M, SLIDE_PLANES_MAX};
+use crate::limits::{GAP_FLOOR_M, GAP_REST_M, SLIDE_PLANES_MAX};
 use crate::math::{self, Pose};
 use crate::state::State;
 use crate::state::contacts::Pair;
@@ -131,21 +131,15 @@ pub(super) fn add(planes: &mut HalfSpaces, normal: Vec3, offset: f32) {
     }
 }
 
-/// The wanted translation alone, bent along the touching planes.
+/// The wanted translation alone, bent along the touching planes. A gap below the floor, which rounding made far
+/// from the origin or the host anywhere, is widened to the floor where all can be: f32 would take a little of it
+/// on every slide.
 fn plan_translation(state: &State, pairs: usize, at: &Position, wanted: &Position) -> Plan {
     let way = wanted.root.translation() - at.root.translation();
-    let mut planes = HalfSpaces::new();
-    for pair in &state.pairs.list[..pairs] {
-        if moves_root(state, pair) {
-            let kept = math::min(GAP_REST_M, pair.gap);
-            add(
-                &mut planes,
-                pair.normal,
-                kept - pair.gap - pair.normal.dot(way),
-            );
-        }
-    }
-    let step = nearest_outside(&planes).map_or(Vec3::ZERO, |u| way + u);
+    let widened = translation_planes(state, pairs, way, GAP_FLOOR_M);
+    let step = nearest_outside(&widened)
+        .or_else(|| nearest_outside(&translation_planes(state, pairs, way, f32::NEG_INFINITY)))
+        .map_or(Vec3::ZERO, |u| way + u);
     Plan {
         goal: Position {
             root: kept_in_world(at, &at.root.moved(step)),
@@ -155,6 +149,20 @@ fn plan_translation(state: &State, pairs: usize, at: &Position, wanted: &Positio
         bent: true,
         share: 1.0,
     }
+}
+
+/// The touching pairs' planes, with the offsets that a translation violates them by when gaps are to stay what
+/// they are, but at least `least_m`.
+fn translation_planes(state: &State, pairs: usize, way: Vec3, least_m: f32) -> HalfSpaces {
+    let mut planes = HalfSpaces::new();
+    for pair in &state.pairs.list[..pairs] {
+        if moves_root(state, pair) {
+            let kept = math::min(GAP_REST_M, math::max(pair.gap, least_m));
+            let offset = kept - pair.gap - pair.normal.dot(way);
+            add(&mut planes, pair.normal, offset);
+        }
+    }
+    planes
 }
 
 /// A pose, or, where that is out of the world, one with the same turn on the straight way there.
