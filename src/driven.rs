@@ -271,7 +271,9 @@ fn snap(state: &mut State, body: usize, dt_s: f32, purse: &mut Purse) -> Option<
         leg: 0,
         share: 1.0,
     };
-    reach::propose(state, body, 0);
+    if has_chains(state, body) {
+        reach::propose(state, body, 0);
+    }
     let count = pairs::collect_driven(state, body, &track(&target, &target)).ok()?;
     let measured = contacts::measure_touching(state, count, &target, purse);
     let free = measured
