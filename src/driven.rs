@@ -30,7 +30,7 @@ use crate::state::islands::GiveWay;
 use crate::state::loose;
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::purse::Purse;
-use crate::state::ways::{Leg, Position, driven_at, in_world, piece_pose, track};
+use crate::state::ways::{Leg, Position, comes_to, driven_at, in_world, piece_pose, track};
 use crate::{advance, contacts, pairs};
 use line::Line;
 
@@ -164,7 +164,7 @@ fn yield_once(state: &mut State, body: usize, purses: &mut Purses) -> u32 {
 /// Notes the driven bodies that came to rest on sleeping objects.
 pub(crate) fn lean(state: &mut State) {
     for body in 0..state.registers.body_slots as usize {
-        let leans = state.bodies.yielding[body].leans == 1 && state.legs.count[body] == 0;
+        let leans = state.bodies.yielding[body].leans == 1 && comes_to(state, body).is_none();
         if leans && state.bodies.settled[body].is_settled == 0 {
             settled::remember(state, body, state.bodies.report[body].flags);
         }

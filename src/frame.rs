@@ -85,8 +85,8 @@ pub(crate) fn step(state: &mut State, input: &FrameInput, clock: Option<Clock>) 
             driven::give_way(state, &spending, &mut report);
             loose.run(state, island, &mut report);
         }
+        driven::stop_within_cones(state, &spending, Some(loose.purse()), &mut report);
         loose.end(state, &mut report);
-        driven::stop_within_cones(state, &spending, &mut report);
         driven::apart::keep(state, &spending, &mut report);
         driven::lean(state);
     }

@@ -6,6 +6,10 @@
 //! conservative advancement finds how far everybody stays clear with them, everybody moves there, and so
 //! on. Speed changes evenly between events, so free fall and sliding are exact.
 //!
+//! Bodies move between two poses, along ways that can be certified. A stretch ends before a body turns too far for
+//! that to be its way, and who is stopped on the way keeps the energy of its own motion. Pairs that no event
+//! brings forward wait for the next frame.
+//!
 //! Where an object cannot get out of the way of a driven body, the driven body gives way: first by the
 //! mass of its coupling, in the first event; later in the frame it stops.
 
@@ -18,6 +22,7 @@ mod queue;
 mod respond;
 mod rest;
 pub mod solver;
+mod stall;
 mod sweep;
 mod touch;
 mod turning;
@@ -108,7 +113,12 @@ pub(crate) fn is_awake(state: &State) -> bool {
             .any(|body| is_loose(state, body) && state.bodies.momentum[body].asleep == 0)
 }
 
-impl Loose<'_> {
+impl<'a> Loose<'a> {
+    /// What units are left.
+    pub(crate) fn purse(&mut self) -> &mut Purse<'a> {
+        &mut self.purse
+    }
+
     /// Solves the first event of the next island, after which driven bodies may have to plan their ways
     /// again; `None` when all islands are through.
     pub(crate) fn next(&mut self, state: &mut State, report: &mut FrameReport) -> Option<Island> {
@@ -186,6 +196,7 @@ impl Island {
         let full = line::full_events(state, self.stretch.island as usize);
         for event in 0..EVENTS_MAX {
             let from = self.stretch.from;
+            self.end_turn(state, stalls);
             let Some(swept) = self.advance(state, purse, report) else {
                 return from;
             };
@@ -202,7 +213,7 @@ impl Island {
             }
             if stalls > STALLS_MAX {
                 if let Some(blocked) = swept.blocked {
-                    movers::stop_blocked(state, blocked, time);
+                    stall::answer(state, &self.stretch, blocked, self.rows);
                 }
                 stalls = 0;
             }
@@ -226,6 +237,16 @@ impl Island {
             respond::shorten(state, self.rows, &self.stretch, (time - from) / (to - from));
             self.stretch.to = time;
             islands::aim(state, &self.stretch);
+        }
+    }
+
+    /// Ends the stretch where the way between its two poses is no longer that of the body that turns most, and
+    /// sooner after events that brought nobody forward.
+    fn end_turn(&mut self, state: &mut State, stalls: u32) {
+        let share = respond::turns_for(state, &self.stretch, stalls);
+        if share < 1.0 {
+            let Stretch { from, to, .. } = self.stretch;
+            self.end_at(state, from + (to - from) * share);
         }
     }
 

@@ -171,7 +171,7 @@ pub const EVENTS_MAX: u32 = 32;
 /// 1 mm crept 2 mm sideways before it slept; with 32 it stays within 1 mm.
 pub const IMPULSES_PER_CONTACT_MAX: u32 = 32;
 
-/// Events in a row that may bring nobody forward before somebody is stopped.
+/// Events in a row that may bring nobody forward before somebody waits for the next frame.
 pub const STALLS_MAX: u32 = 2;
 
 /// Errors of velocity that impulses leave alone, as a share of what gravity adds in a frame. Half as many
@@ -193,8 +193,29 @@ pub const LONE_BOUNCE_PART: f32 = 0.06;
 /// frame, in metres.
 pub const WEDGED_M: f32 = OVERLAP_SLOP_M;
 
+/// What a driven body that gives way with its coupling's mass resists turning with, in kg m2, where it becomes one
+/// with what it holds: about as much as a stretched arm does about its shoulder. Its own turn is its tracker's; this is
+/// how little it lets a held object turn.
+pub const GIVING_INERTIA_KG_M2: f32 = 1.0;
+
 /// How far a body turns in a stretch of time while its contacts count as where they were found, in radians.
 pub const CONTACT_TURN_RAD: f32 = 0.25;
+
+/// How far a loose body turns in a stretch of time at the most, in radians. Its way is the one between two poses,
+/// which turns 1 % slower than the body at both ends when it is as long as this, 4 % when it is twice as long.
+pub const TURN_RAD: f32 = 0.5;
+
+/// The least share of a frame that is gone at once nevertheless: what turns faster is not to use up the events of
+/// a frame.
+pub const TURN_SHARE_MIN: f32 = 0.125;
+
+const _: () = assert!(TURN_SHARE_MIN * EVENTS_MAX as f32 >= 4.0);
+
+/// What is left of both after each event in a row that brought nobody forward: the shorter the way, the straighter.
+pub const STALLED_TURN_PART: f32 = 0.2;
+
+/// A pair that comes no farther through a frame than this share of it loses half of its relative motion.
+pub const STALLED_SHARE: f32 = 0.125;
 
 /// The least share of a stretch that is gone at once nevertheless: what turns faster is not to use up the
 /// events of a frame.

@@ -6,12 +6,14 @@ mod common;
 mod loose;
 
 use common::{Block, add_box};
+use glam::Vec3;
 use loose::{ball, floor, lowest_corner, position, surface};
 use palpable::frame::FrameInput;
 use palpable::limits::{LOOSE_BAND_M, LOOSE_REST_M};
 use palpable::math::Pose;
 use palpable::memory::{BodyId, Capacities};
 use palpable::state::bodies::BodyKind;
+use palpable::state::rows::Mover;
 use palpable::world::World;
 
 const FRAME_S: f32 = 1.0 / 60.0;
@@ -383,6 +385,13 @@ fn a_head_on_impact_has_newtons_velocities() {
         (va - 0.5).abs() < 2e-3 && (vb - 1.5).abs() < 2e-3,
         "{va} {vb}"
     );
+}
+
+#[test]
+fn what_impulses_do_not_move_they_do_not_turn() {
+    let mut still = Mover::default();
+    still.push(Vec3::X, Vec3::Y);
+    assert_eq!((still.velocity, still.spin), (Vec3::ZERO, Vec3::ZERO));
 }
 
 #[test]

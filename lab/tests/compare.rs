@@ -1,10 +1,12 @@
 //! What the kernel promises in the scenes of the comparison, with few trackers and without timing; and
 //! that its peer plays them at all.
 
+use palpable_lab::compare::kernel::{CAPACITIES, Kernel};
 use palpable_lab::compare::measures::{
     DROPPED, HELD, JITTER, LAG, LATE_JITTER, Measure, PRESSED, PUSH_LAG, PUSHED, SLID, TRAPPED,
     WALLED, measures,
 };
+use palpable_lab::compare::play::play;
 use palpable_lab::compare::run::{play_on, slap};
 use palpable_lab::compare::scenes::Scene;
 use palpable_lab::compare::setting::{Perturbation, perturbations};
@@ -12,6 +14,7 @@ use palpable_lab::compare::slaps::slaps;
 use palpable_lab::compare::summary::{Found, Row, Standing};
 use palpable_lab::compare::{arm::Arm, judging::judge, peer_arm};
 use palpable_lab::hand::Hand;
+use palpable_lab::memory::Block;
 
 const SEED: u64 = 1;
 const TRACKERS: usize = 2;
@@ -77,6 +80,20 @@ fn two_hands_hold_a_box() {
 #[test]
 fn two_hands_carry_a_box() {
     keeps(Scene::Carry, TRACKERS, &[DROPPED, HELD, LATE_JITTER]);
+}
+
+/// Where nothing comes forward any more, hands that keep what they do not reach are at rest as well as hands that
+/// have nowhere to go.
+#[test]
+fn a_box_falls_asleep_in_the_hands_that_carried_it() {
+    let hand = hand();
+    for tracker in perturbations(SEED, 10) {
+        let setting = Scene::Carry.setting(&hand, &tracker);
+        let mut block = Block::new(&CAPACITIES);
+        let mut kernel = Kernel::new(block.bytes(), &setting).unwrap();
+        play(&setting, &mut kernel).unwrap();
+        assert!(kernel.is_asleep(0).unwrap(), "awake with {tracker:?}");
+    }
 }
 
 #[test]

@@ -54,7 +54,7 @@ pub(crate) fn keep(state: &mut State, spending: &Spending, report: &mut FrameRep
     }
     purses.book(0, report);
     if stopped {
-        stop_within_cones(state, spending, report);
+        stop_within_cones(state, spending, None, report);
     }
 }
 

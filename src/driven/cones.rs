@@ -17,8 +17,14 @@ const STEPS_BACK: u32 = 16;
 ///
 /// The balls are taken into their cones where the body stopped, if it is clear of everything then. Else it stops
 /// earlier on its way, where no loose body followed it; or, when there is no such place or no unit to look for
-/// one, where its leg began.
-pub(crate) fn stop_within_cones(state: &mut State, spending: &Spending, report: &mut FrameReport) {
+/// one, where its leg began. Spends units of the advance, and when those run out what `spare` has.
+pub(crate) fn stop_within_cones(
+    state: &mut State,
+    spending: &Spending,
+    spare: Option<&mut Purse>,
+    report: &mut FrameReport,
+) {
+    let mut spare = spare;
     for body in 0..state.registers.body_slots as usize {
         let stop = state.legs.stop_time[body];
         let is_driven = state.bodies.kind[body] == BodyKind::Driven.code();
@@ -28,13 +34,31 @@ pub(crate) fn stop_within_cones(state: &mut State, spending: &Spending, report: 
         let at = driven_at(state.legs.of(body), &state.bodies.pose[body], stop);
         if !reach::are_within_cones(state, body, at.leg, at.share) {
             let mut purses = purses(spending, report);
-            if !bend(state, body, &at, &mut purses.units) {
-                let share = step_back(state, body, &at, &mut purses.units);
-                stop_at(state, body, &at, share);
+            let mut stopped = stop_clear(state, body, &at, &mut purses.units);
+            if let Some(spare) = spare.as_deref_mut()
+                && !stopped
+                && purses.units.is_closed()
+            {
+                stopped = stop_clear(state, body, &at, spare);
+            }
+            if !stopped {
+                stop_at(state, body, &at, 0.0);
             }
             purses.book(0, report);
         }
     }
+}
+
+/// Stops a body where its balls are within their cones and it is clear; false when no such place was found.
+fn stop_clear(state: &mut State, body: usize, at: &Position, purse: &mut Purse) -> bool {
+    if bend(state, body, at, purse) {
+        return true;
+    }
+    let share = step_back(state, body, at, purse);
+    if let Some(share) = share {
+        stop_at(state, body, at, share);
+    }
+    share.is_some()
 }
 
 /// Takes the balls of a body into their cones where it is on its way; false when it is not clear then, or the
@@ -66,7 +90,7 @@ fn is_clear_of_all(state: &mut State, body: usize, at: &Position, purse: &mut Pu
 
 /// The largest of some shares of the leg before a place at which every ball is within its cone and nothing loose
 /// is in the way; zero when there is none.
-fn step_back(state: &State, body: usize, at: &Position, purse: &mut Purse) -> f32 {
+fn step_back(state: &State, body: usize, at: &Position, purse: &mut Purse) -> Option<f32> {
     let legs = state.legs.of(body);
     let shares = (1..STEPS_BACK).rev();
     shares
@@ -76,7 +100,6 @@ fn step_back(state: &State, body: usize, at: &Position, purse: &mut Purse) -> f3
             reach::are_within_cones(state, body, at.leg, share)
                 && contacts::is_clear_of_loose(state, body, &place, purse)
         })
-        .unwrap_or(0.0)
 }
 
 /// Has a body stop at a share of the leg on which it was stopped.

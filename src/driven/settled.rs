@@ -64,6 +64,7 @@ pub(super) fn remember(state: &mut State, body: usize, flags: u32) {
     state.bodies.settled[body] = Settled {
         is_settled: 1,
         wanted: state.legs.wanted[body],
+        moved: 0,
         flags,
         ..state.bodies.settled[body]
     };

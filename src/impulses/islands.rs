@@ -10,6 +10,7 @@ use crate::state::islands::{Members, NONE};
 use crate::state::loose::{self, reach_m, spin};
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::rows::Mover;
+use crate::state::ways::comes_to;
 
 /// Wakes what is about to be touched and finds the islands; false when nothing is awake.
 ///
@@ -193,7 +194,7 @@ pub(super) fn rest(state: &mut State, stretch: &Stretch) {
                 rested &= momentum.still_s >= SLEEP_S;
             }
             kind if kind == BodyKind::Driven.code() => {
-                still &= state.legs.count[body] == 0 || !touches(state, body);
+                still &= has_rested(state, body, stretch) || !touches(state, body);
             }
             _ => still = false,
         }
@@ -201,6 +202,15 @@ pub(super) fn rest(state: &mut State, stretch: &Stretch) {
     if still && rested {
         fall_asleep(state, island);
     }
+}
+
+/// Whether a driven body stays where it is: with nowhere to go, or kept from it for as long as an object lies still
+/// before it sleeps.
+fn has_rested(state: &mut State, body: usize, stretch: &Stretch) -> bool {
+    let stays = comes_to(state, body).is_none();
+    let still_s = &mut state.bodies.momentum[body].still_s;
+    *still_s = if stays { *still_s + stretch.dt_s } else { 0.0 };
+    stays && (state.legs.count[body] == 0 || *still_s >= SLEEP_S)
 }
 
 /// Whether a driven body touches a loose one.
@@ -219,7 +229,7 @@ fn fall_asleep(state: &mut State, island: usize) {
             momentum.nap = island as u32;
             momentum.velocity = glam::Vec3::ZERO;
             momentum.angular = glam::Vec3::ZERO;
-        } else if touches(state, body) && state.legs.count[body] == 0 {
+        } else if touches(state, body) && comes_to(state, body).is_none() {
             state.bodies.yielding[body].leans = 1;
         }
     }

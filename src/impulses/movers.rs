@@ -3,7 +3,7 @@
 use glam::{Quat, Vec3};
 
 use super::Stretch;
-use super::turning::turned;
+use super::turning::{Turn, turned};
 use crate::geometry::motion::{Motion, Track};
 use crate::limits::{SPEED_MAX, SPIN_MAX, WORLD_REACH_M};
 use crate::math::{self, Pose};
@@ -256,10 +256,21 @@ fn advance_one(state: &mut State, body: usize, stretch: &Stretch, reached: f32) 
         (ended.velocity, state.islands.angular[body])
     } else {
         let before = angular_begun(state, body);
-        let gained_angular = state.islands.angular[body] - before;
+        let gained_angular = (state.islands.angular[body] - before) * reached;
+        let mean = if state.rows.even[body] == 1 {
+            state.islands.angular[body]
+        } else {
+            before + 0.5 * gained_angular
+        };
+        let free = Turn {
+            mass: &state.bodies.mass[body],
+            from: from.quat(),
+            angular: mean,
+            seconds: stretch.seconds() * reached,
+        };
         (
             begun.velocity + gained * reached,
-            before + gained_angular * reached,
+            free.angular_at(at.quat(), before + gained_angular),
         )
     };
     state.bodies.momentum[body].velocity = velocity;
@@ -276,36 +287,15 @@ fn origin_of(state: &State, body: usize, centre: &Pose) -> Pose {
     Pose::new(rotation, centre.translation() - rotation * here)
 }
 
-/// Stops the bodies of the pair that blocked the way: the driven one, or else the loose ones. In front of a
-/// body of another island, a loose body waits with what speed it has.
-pub(super) fn stop_blocked(state: &mut State, blocked: usize, time: f32) {
-    let pair = state.islands.pairs[blocked];
-    let bodies = [pair.a, pair.b].map(|piece| state.pieces.body[piece as usize] as usize);
-    if pair.foreign == 1 {
-        state.legs.stop_time[bodies[0]] = time;
-        return;
-    }
-    let driven = bodies
-        .into_iter()
-        .find(|&body| state.bodies.kind[body] == BodyKind::Driven.code());
-    match driven {
-        Some(body) if state.legs.stop_time[body] > time => state.legs.stop_time[body] = time,
-        _ => {
-            for body in bodies {
-                stop_loose(state, body, time);
-            }
-        }
-    }
-}
-
 /// Has the bodies of the pair that blocked the way wait for the next frame: the driven one, or else the loose
-/// ones, with what speed they have. A body of another island is let be.
-pub(super) fn wait_blocked(state: &mut State, blocked: usize, time: f32) {
+/// ones, with what speed they have. A body of another island is let be. Whether the loose ones wait for each
+/// other, or for what does not move.
+pub(super) fn wait_blocked(state: &mut State, blocked: usize, time: f32) -> bool {
     let pair = state.islands.pairs[blocked];
     let bodies = [pair.a, pair.b].map(|piece| state.pieces.body[piece as usize] as usize);
     if pair.foreign == 1 {
         state.legs.stop_time[bodies[0]] = math::min(state.legs.stop_time[bodies[0]], time);
-        return;
+        return false;
     }
     let driven = |body: &usize| state.bodies.kind[*body] == BodyKind::Driven.code();
     let stops = |state: &mut State, body: usize| {
@@ -325,14 +315,7 @@ pub(super) fn wait_blocked(state: &mut State, blocked: usize, time: f32) {
             }
         }
     }
-}
-
-fn stop_loose(state: &mut State, body: usize, time: f32) {
-    if is_loose_kind(state.bodies.kind[body]) {
-        state.legs.stop_time[body] = math::min(state.legs.stop_time[body], time);
-        state.bodies.momentum[body].velocity = Vec3::ZERO;
-        state.bodies.momentum[body].angular = Vec3::ZERO;
-    }
+    !stopped
 }
 
 /// Stops every body of an island: its frame ends early.

@@ -6,7 +6,7 @@
 //! ([`crate::couple`]), and where that does not help they keep their turn and their pieces too, pressed by
 //! the couplings' stiffness.
 
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
 use super::movers::{is_free, mover};
 use super::solver::{Order, Problem};
@@ -14,8 +14,9 @@ use super::sweep::{prescribed, root_velocity};
 use super::{Stretch, cluster, gather, rest, touch};
 use crate::limits::{
     BOUNCE_MIN, CONTACT_SHARE_MIN, CONTACT_TURN_RAD, GAP_FLOOR_M, GAP_RESTORED, GAP_RESTORED_PER_S,
-    GRIP_EVENED, LONE_BOUNCE_MIN, LONE_BOUNCE_PART, LOOSE_REST_M, RESIDUAL_PART,
-    RESTORING_SPEED_MAX, STEP_MIN_M, WEDGED_M,
+    GIVING_INERTIA_KG_M2, GRIP_EVENED, LONE_BOUNCE_MIN, LONE_BOUNCE_PART, LOOSE_REST_M,
+    RESIDUAL_PART, RESTORING_SPEED_MAX, STALLED_TURN_PART, STEP_MIN_M, TURN_RAD, TURN_SHARE_MIN,
+    WEDGED_M,
 };
 use crate::math;
 use crate::state::bodies::{BodyKind, Coupling, is_loose_kind};
@@ -75,6 +76,11 @@ pub(super) fn ready(state: &mut State, stretch: &Stretch) {
 
 fn is_driven(state: &State, body: u32) -> bool {
     state.bodies.kind[body as usize] == BodyKind::Driven.code()
+}
+
+/// Whether driven bodies are among those of an island.
+pub(super) fn has_driven(state: &State, island: usize) -> bool {
+    Members::of(state, island).any(|body| is_driven(state, body as u32))
 }
 
 /// Starts the frame with what was found in the last one: who gave way does so again.
@@ -142,6 +148,8 @@ fn attempt(
         if gives(state, body, stretch) {
             let mass = state.bodies.yielding[body as usize].mass_kg;
             state.rows.movers[body as usize].inverse_mass = 1.0 / mass;
+            state.rows.movers[body as usize].inverse_inertia =
+                Mat3::from_diagonal(Vec3::splat(1.0 / GIVING_INERTIA_KG_M2));
         } else if !is_loose_kind(state.bodies.kind[body as usize])
             || !is_free(state, body as usize, stretch.from)
         {
@@ -355,13 +363,60 @@ fn warm_start(state: &mut State, rows: usize, stretch: &Stretch) {
         row.rests = u32::from(rested);
     }
     even_grips(state, rows, stretch);
+    if has_driven(state, stretch.island as usize) {
+        push_remembered(state, rows, 1.0);
+    } else {
+        remember_within_energy(state, rows, stretch);
+    }
+}
+
+/// Applies what the rows remember, or the best share of it when it would feed energy in: what impulses held up
+/// one after the other, a body ten thousand times as heavy, they would throw up before they took it back.
+///
+/// Impulses J that change the velocities v of their contacts by K J do the work J.v + J.K J / 2, the mean of
+/// their power before and after. When that is positive, the share -J.v / J.K J does the least. Not where hands
+/// squeeze: what presses from both sides does no work but by rounding.
+fn remember_within_energy(state: &mut State, rows: usize, stretch: &Stretch) {
+    let (before, _) = remembered_power(state, rows, stretch);
+    push_remembered(state, rows, 1.0);
+    let (after, rounded) = remembered_power(state, rows, stretch);
+    if before + after <= rounded {
+        return;
+    }
+    let share = math::clamp(-before / (after - before), 0.0, 1.0);
+    push_remembered(state, rows, share - 1.0);
+    for row in &mut state.rows.rows[..rows] {
+        if row.pushes == 1 && row.rests == 0 {
+            row.impulse *= share;
+        }
+    }
+}
+
+/// Applies a share of what the rows remember.
+fn push_remembered(state: &mut State, rows: usize, share: f32) {
     for index in 0..rows {
         let row = state.rows.rows[index];
         if row.pushes == 1 && row.rests == 0 {
-            state.rows.movers[row.body_a as usize].push(row.arm_a, row.impulse);
-            state.rows.movers[row.body_b as usize].push(row.arm_b, -row.impulse);
+            let impulse = row.impulse * share;
+            state.rows.movers[row.body_a as usize].push(row.arm_a, impulse);
+            state.rows.movers[row.body_b as usize].push(row.arm_b, -impulse);
         }
     }
+}
+
+/// What the rows remember times how fast they open beyond their targets, in joules, and what of it counts as no
+/// error.
+fn remembered_power(state: &mut State, rows: usize, stretch: &Stretch) -> (f32, f32) {
+    let posed = problem(state, rows, stretch);
+    let (mut power, mut pushes) = (0.0, 0.0);
+    for row in posed.rows.iter() {
+        if row.pushes == 1 && row.rests == 0 {
+            let velocity = posed.relative_velocity(row) - row.normal * row.target;
+            power += row.impulse.dot(velocity);
+            pushes += math::length(row.impulse);
+        }
+    }
+    (power, pushes * posed.tolerance)
 }
 
 /// Spreads what presses a held object over each manifold a little more evenly than the frame before. Which
@@ -524,6 +579,28 @@ pub(super) fn holds_for(state: &State, rows: usize, stretch: &Stretch) -> f32 {
     math::max(share, CONTACT_SHARE_MIN)
 }
 
+/// The share of a stretch in which no loose body turns by more than [`TURN_RAD`], or by a part of it after so many
+/// events that brought nobody forward. What turns so fast that this were a small share of the frame turns farther.
+pub(super) fn turns_for(state: &State, stretch: &Stretch, stalls: u32) -> f32 {
+    let mut fastest = 0.0;
+    for body in Members::of(state, stretch.island as usize) {
+        for mover in [&state.rows.begun[body], &state.rows.movers[body]] {
+            fastest = math::max(fastest, mover.spin.length_squared());
+        }
+    }
+    let turn = math::sqrt(fastest) * stretch.seconds();
+    let (mut most, mut least) = (TURN_RAD, TURN_SHARE_MIN);
+    for _ in 0..stalls {
+        most *= STALLED_TURN_PART;
+        least *= STALLED_TURN_PART;
+    }
+    if turn <= most {
+        return 1.0;
+    }
+    let least = least * stretch.dt_s / stretch.seconds();
+    math::min(math::max(most / turn, least), 1.0)
+}
+
 /// The speed that takes some of an overlap away, which the host made: gently, for it feeds energy in.
 fn restoring(gap: f32, stretch: &Stretch) -> f32 {
     if gap >= 0.0 {
@@ -553,7 +630,7 @@ fn load(state: &mut State, stretch: &Stretch) {
 
 /// Whether a contact would close by more than a driven body's gap can take.
 fn is_wedged(state: &mut State, rows: usize, stretch: &Stretch) -> bool {
-    let driven = Members::of(state, stretch.island as usize).any(|b| is_driven(state, b as u32));
+    let driven = has_driven(state, stretch.island as usize);
     let closing = WEDGED_M / stretch.seconds();
     driven && problem(state, rows, stretch).worst_approach(gather::is_closed) > closing
 }

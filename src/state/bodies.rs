@@ -144,7 +144,7 @@ pub(crate) struct Momentum {
     pub velocity: Vec3,
     /// Angular momentum about the centre of mass in the world, in kg m2/s.
     pub angular: Vec3,
-    /// How long the body has been still, in seconds.
+    /// How long the body has been still, in seconds; a driven one among loose ones, how long it has stayed.
     pub still_s: f32,
     /// One while the body sleeps.
     pub asleep: u32,

@@ -7,7 +7,7 @@ use crate::memory::columns::columns;
 
 /// How a body moves, and what it resists impulses with.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Mover {
     /// Velocity of the centre of mass, in m/s.
     pub velocity: Vec3,
@@ -18,6 +18,13 @@ pub struct Mover {
     /// About the centre of mass, along the world's axes, in 1/(kg m2); zero for a body that impulses do
     /// not turn.
     pub inverse_inertia: Mat3,
+}
+
+/// What stands still, and what impulses neither move nor turn: the default of a matrix is one, not zero.
+impl Default for Mover {
+    fn default() -> Self {
+        Self::zeroed()
+    }
 }
 
 impl Mover {

@@ -61,6 +61,15 @@ impl<'a> Kernel<'a> {
         Ok(kernel)
     }
 
+    /// Whether a loose thing sleeps.
+    ///
+    /// # Errors
+    /// [`SceneError`] when it is not there.
+    pub fn is_asleep(&self, index: usize) -> Result<bool, SceneError> {
+        let asleep = self.world.is_asleep(self.loose[index]);
+        asleep.map_err(|why| refused("loose", why))
+    }
+
     /// What loose things are made of: it does not bounce.
     fn add_grip(&mut self) -> Result<Material, SceneError> {
         let world = &mut self.world;

@@ -1,4 +1,5 @@
-//! Random impacts of two free bodies: kinetic energy, computed from outside in f64, never rises.
+//! Random impacts of two free bodies: kinetic energy, computed from outside in f64, never rises, and momentum
+//! stays.
 
 use glam::{DQuat, DVec3};
 use rand::{RngExt, SeedableRng};
@@ -11,6 +12,9 @@ use super::scene::{Body, Form, Scene};
 /// How much the energy may rise, relative to what there was at the start: what f32 rounds off momenta of
 /// bodies a thousand times as heavy as each other.
 pub const RISE_BOUND: f64 = 1e-5;
+
+/// How much of the momentum may be lost, relative to the sum of both bodies' at the start: it is f32's.
+pub const MOMENTUM_BOUND: f64 = 1e-4;
 
 /// Density of the lighter body in kg/m3.
 const DENSITY_KG_M3: f64 = 700.0;
@@ -27,6 +31,8 @@ pub struct Impacts {
     pub worst: u32,
     /// How many rose by more than [`RISE_BOUND`].
     pub rising: u32,
+    /// The largest part of the momentum that an impact lost.
+    pub momentum_off_max: f64,
     /// How many pairs met.
     pub met: u32,
     /// How many gave something infinite or not a number.
@@ -39,11 +45,13 @@ pub fn rows(setup: &Setup, seed: u64, count: u32) -> Vec<Row> {
     let of = |name: String| Quantity::absolute(Case::Impacts, name, "", 0.0);
     let rise = of(format!("energy rise, worst of {count}")).within(RISE_BOUND);
     let rising = of("impacts that gain energy".into()).within(0.0);
+    let momentum = of(format!("momentum lost, worst of {count}")).within(MOMENTUM_BOUND);
     let broken = of("impacts not finite".into()).within(0.0);
     let met = Quantity::reported(Case::Impacts, "pairs that met", "");
     vec![
         rise.row(setup, found.rise_max, &spent),
         rising.row(setup, found.rising.into(), &spent),
+        momentum.row(setup, found.momentum_off_max, &spent),
         broken.row(setup, found.not_finite.into(), &spent),
         met.row(setup, found.met.into(), &spent),
     ]
@@ -55,26 +63,38 @@ pub fn impacts(setup: &Setup, seed: u64, count: u32) -> (Impacts, Spent) {
     let mut found = Impacts::default();
     for index in 0..count {
         let (scene, seconds) = scene(seed, index);
-        let (rise, cost) = play(setup, &scene, |player| watch(player, &scene, seconds));
+        let (impact, cost) = impact(setup, &scene, seconds);
         spent.absorb(&cost);
-        found.note(index, &rise);
+        found.note(index, &impact);
     }
     (found, spent)
 }
 
+/// Plays one impact for so many seconds.
+pub fn impact(setup: &Setup, scene: &Scene, seconds: f64) -> (Impact, Spent) {
+    play(setup, scene, |player| watch(player, scene, seconds))
+}
+
 /// What one impact did.
-struct Watched {
-    rise: f64,
-    met: bool,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Impact {
+    /// The largest rise of the energy over a frame, relative to the energy at the start; NaN when a number is
+    /// not finite.
+    pub rise: f64,
+    /// The part of the momentum that it lost, relative to the sum of both bodies' at the start.
+    pub momentum_off: f64,
+    /// Whether the pair met.
+    pub met: bool,
 }
 
 impl Impacts {
-    fn note(&mut self, index: u32, watched: &Watched) {
+    fn note(&mut self, index: u32, watched: &Impact) {
         self.met += u32::from(watched.met);
         if !watched.rise.is_finite() {
             self.not_finite += 1;
             return;
         }
+        self.momentum_off_max = self.momentum_off_max.max(watched.momentum_off);
         self.rising += u32::from(watched.rise > RISE_BOUND);
         if watched.rise > self.rise_max {
             (self.rise_max, self.worst) = (watched.rise, index);
@@ -82,20 +102,28 @@ impl Impacts {
     }
 }
 
-fn watch(player: &mut Player, scene: &Scene, seconds: f64) -> Watched {
+fn watch(player: &mut Player, scene: &Scene, seconds: f64) -> Impact {
     let energy = |player: &Player| -> f64 {
         let bodies = scene.bodies.iter().enumerate();
         bodies.map(|(i, b)| b.kinetic_j(&player.state(i))).sum()
     };
+    let momenta = |player: &Player| -> Vec<DVec3> {
+        let bodies = scene.bodies.iter().enumerate();
+        bodies
+            .map(|(i, b)| b.mass_kg() * player.state(i).velocity)
+            .collect()
+    };
     let start = energy(player);
+    let begun = momenta(player);
     let velocity = player.state(0).velocity;
     let (mut last, mut rise) = (start, 0.0_f64);
     for _ in 0..player.setup().frames(seconds) {
         player.step();
         let now = energy(player);
         if !now.is_finite() {
-            return Watched {
+            return Impact {
                 rise: f64::NAN,
+                momentum_off: f64::NAN,
                 met: true,
             };
         }
@@ -103,7 +131,14 @@ fn watch(player: &mut Player, scene: &Scene, seconds: f64) -> Watched {
         last = now;
     }
     let met = player.state(0).velocity.distance(velocity) > 1e-6 * velocity.length();
-    Watched { rise, met }
+    let sizes: f64 = begun.iter().map(|momentum| momentum.length()).sum();
+    let changes = momenta(player).into_iter().zip(begun);
+    let lost: DVec3 = changes.map(|(after, before)| after - before).sum();
+    Impact {
+        rise,
+        momentum_off: lost.length() / sizes,
+        met,
+    }
 }
 
 /// Two bodies on their way into each other, and how long to watch them, in seconds.
