@@ -27,6 +27,7 @@ use crate::state::chains::{
 };
 use crate::state::contacts::{PairsFull, box_parts};
 use crate::state::islands::GiveWay;
+use crate::state::looks;
 use crate::state::loose;
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::purse::Purse;
@@ -161,6 +162,14 @@ fn yield_once(state: &mut State, body: usize, purses: &mut Purses) -> u32 {
     flags
 }
 
+/// Notes which driven bodies were cut.
+pub(crate) fn age_looks(state: &mut State) {
+    for body in 0..state.registers.body_slots as usize {
+        let is_cut = state.bodies.report[body].flags & DrivenReport::CUT != 0;
+        state.looks.age(body, is_cut);
+    }
+}
+
 /// Notes the driven bodies that came to rest on sleeping objects.
 pub(crate) fn lean(state: &mut State) {
     for body in 0..state.registers.body_slots as usize {
@@ -262,7 +271,9 @@ fn frame_flags(flags: u32) -> u32 {
 fn snap(state: &mut State, body: usize, dt_s: f32, purse: &mut Purse) -> Option<u32> {
     let coupling = state.bodies.coupling[body];
     let away = math::length(state.bodies.displacement[body].offset);
-    if coupling.snap != Coupling::SNAP_WHEN_FREE || away <= coupling.divergence_m {
+    // Every other turn of a body that waits goes without the look there, which may always be too much.
+    let waits = state.bodies.waiting[body].frames % 2 == 1;
+    if coupling.snap != Coupling::SNAP_WHEN_FREE || away <= coupling.divergence_m || waits {
         return None;
     }
     let target = Position {
@@ -360,7 +371,10 @@ fn walk(
         covered: Cover::between(&start, &wanted),
         flags: 0,
         hold: Hold::default(),
+        resumes: false,
+        defers: false,
     };
+    walk.resume(state, &mut purses.units);
     if overlaps {
         walk.leave_overlap(state, &mut purses.units)?;
     }
@@ -370,6 +384,7 @@ fn walk(
             break;
         }
     }
+    walk.keep(state, &purses.units);
     if !contacts::record(state, walk.pairs) {
         walk.flags |= DrivenReport::CONTACTS_FULL;
     }
@@ -386,6 +401,10 @@ struct Walk {
     covered: Cover,
     flags: u32,
     hold: Hold,
+    /// The last frame was cut, and what it knew of the gaps counts.
+    resumes: bool,
+    /// There were too few units for that: it is left to the next frame.
+    defers: bool,
 }
 
 /// Whether another leg may gain something.
@@ -396,7 +415,25 @@ enum Next {
 }
 
 impl Walk {
-    /// Gets out of overlap that the host made, all at once. Every other frame of those in which the body waits
+    /// Goes on from what the frame before knew of the gaps, when it was cut.
+    fn resume(&mut self, state: &mut State, purse: &mut Purse) {
+        if state.looks.count[self.body] > 0 {
+            self.resumes = looks::pays(state, self.body, purse);
+            self.defers = !self.resumes;
+        }
+        if self.resumes {
+            looks::recall(state, self.body, self.pairs, &self.at);
+        }
+    }
+
+    /// Leaves to the next frame what is known of the gaps, when this one was cut.
+    fn keep(&self, state: &mut State, purse: &Purse) {
+        if (purse.is_closed() || self.resumes) && !self.defers {
+            looks::keep(state, self.body, self.pairs, &self.at);
+        }
+    }
+
+    /// Gets out of overlap that the host made, all at once. Every other turn of a body that waits
     /// goes without the search, for which there may never be enough units: its legs then lead out as far as they
     /// are clear.
     fn leave_overlap(&mut self, state: &mut State, purse: &mut Purse) -> Result<(), PairsFull> {
@@ -408,6 +445,7 @@ impl Walk {
         if state.bodies.waiting[self.body].frames % 2 == 1 {
             return Ok(());
         }
+        looks::keep(state, self.body, self.pairs, &self.at);
         if let Some(root) = self.way_out(state, purse)? {
             reach::stay(state, self.body, self.at.leg);
             let goal = Position {
@@ -419,7 +457,11 @@ impl Walk {
             self.wanted.leg = self.at.leg;
             reach::propose(state, self.body, self.at.leg);
         }
-        self.collect(state, &self.wanted.clone())
+        self.collect(state, &self.wanted.clone())?;
+        if self.resumes || purse.is_closed() {
+            looks::recall(state, self.body, self.pairs, &self.at);
+        }
+        Ok(())
     }
 
     /// Where the body gets clear of what it overlaps and of whatever else is there; `None` when no such
@@ -447,6 +489,18 @@ impl Walk {
     fn collect(&mut self, state: &mut State, goal: &Position) -> Result<(), PairsFull> {
         self.pairs = pairs::collect_driven(state, self.body, &track(&self.at, goal))?;
         self.covered = Cover::between(&self.at, goal);
+        Ok(())
+    }
+
+    /// Collects pairs for another way. What is known of them is not lost when frames are short of units.
+    fn collect_again(&mut self, state: &mut State, goal: &Position) -> Result<(), PairsFull> {
+        if self.resumes {
+            looks::keep(state, self.body, self.pairs, &self.at);
+        }
+        self.collect(state, goal)?;
+        if self.resumes {
+            looks::recall(state, self.body, self.pairs, &self.at);
+        }
         Ok(())
     }
 
@@ -495,7 +549,7 @@ impl Walk {
             if !self.pays_for_pairs(state, &mut purses.units) {
                 return Ok(Next::Done);
             }
-            self.collect(state, &plan.goal)?;
+            self.collect_again(state, &plan.goal)?;
             if !self.measure(state, &mut purses.units) {
                 return Ok(Next::Done);
             }

@@ -82,6 +82,9 @@ pub const ADVANCE_UNITS_MAX: u32 = 4096;
 /// Most units that the loose bodies may spend in one frame.
 pub const IMPULSE_UNITS_MAX: u32 = 16384;
 
+/// Most frames for which what a driven body knows of its gaps is kept after the last one that was cut.
+pub const LOOK_FRAMES_MAX: u32 = 64;
+
 /// Lanes of vertices of a pair that its distance query has for one unit; every so many more cost another.
 /// Ordinary pieces (64 vertices and fewer) cost one.
 pub const QUERY_LANES: u32 = 16;

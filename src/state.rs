@@ -5,6 +5,7 @@ pub mod chains;
 pub mod contacts;
 pub mod events;
 pub(crate) mod islands;
+pub(crate) mod looks;
 pub(crate) mod loose;
 pub mod materials;
 pub mod pieces;
@@ -26,6 +27,7 @@ use chains::{AngleWays, Chains, Joints};
 use contacts::{ContactPoints, Pairs};
 use events::{Events, EventsNow};
 use islands::Islands;
+use looks::Looks;
 use materials::{BUILT_IN_MATERIALS, Materials};
 use pieces::{Pieces, Pools};
 use rows::Rows;
@@ -89,6 +91,7 @@ pub(crate) struct State<'a> {
     pub joints: Joints<'a>,
     pub touches: Touches<'a>,
     pub events: Events<'a>,
+    pub looks: Looks<'a>,
     /// Scratch of a frame; means nothing between frames.
     pub pairs: Pairs<'a>,
     /// Scratch of a frame; means nothing between frames.
@@ -131,6 +134,7 @@ impl<'a> State<'a> {
             + Joints::bytes(capacities)
             + Touches::bytes(capacities)
             + Events::bytes(capacities)
+            + Looks::bytes(capacities)
     }
 
     /// Cuts a block that was judged long enough and aligned.
@@ -148,6 +152,7 @@ impl<'a> State<'a> {
             joints: Joints::cut(&mut uncut, capacities),
             touches: Touches::cut(&mut uncut, capacities),
             events: Events::cut(&mut uncut, capacities),
+            looks: Looks::cut(&mut uncut, capacities),
             pairs: Pairs::cut(&mut uncut, capacities),
             islands: Islands::cut(&mut uncut, capacities),
             rows: Rows::cut(&mut uncut, capacities),
@@ -175,6 +180,7 @@ impl<'a> State<'a> {
         self.joints.visit(visitor);
         self.touches.visit(visitor);
         self.events.visit(visitor);
+        self.looks.visit(visitor);
     }
 
     /// Calls `visitor` with every column that outlives a frame, for writing.
@@ -190,6 +196,7 @@ impl<'a> State<'a> {
         self.joints.visit_mut(visitor);
         self.touches.visit_mut(visitor);
         self.events.visit_mut(visitor);
+        self.looks.visit_mut(visitor);
     }
 
     /// Materials there is room for, the built-in ones included.

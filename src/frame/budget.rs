@@ -9,8 +9,12 @@
 /// there and takes no other: with exactly the units that a frame reports it gives the same bits again.
 ///
 /// Who is cut goes first in the next frame, and a body for which the search of a way out is always too much is
-/// led out by its legs. One thing is never done in part: before a driven body moves it is looked at where it
-/// is, which takes a query for each pair of pieces whose boxes overlap there. It stays while frames have less.
+/// led out by its legs. Before a driven body moves it is looked at where it is, which takes a query for each
+/// pair of pieces whose boxes overlap there. Frames that have less go on where the last one was cut: a gap that
+/// was measured counts as long as its two pieces stay, and less the way that they went when either moved. So
+/// a body among things that stay moves after some frames, if each has a unit for every 32 of its pairs, and a
+/// few more. With fewer it stays. There is room for as many gaps as pairs, those of all driven bodies together
+/// ([`crate::memory::Capacities::pairs`]); what finds none is measured again.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {

@@ -15,7 +15,7 @@ pub struct Capacities {
     /// Vertices of all pieces: a sphere has 1, a capsule 2, a box 8. Faces and edges get the room
     /// that this many vertices can need.
     pub vertices: u32,
-    /// Pairs of pieces that may touch within one frame.
+    /// Pairs of pieces that may touch within one frame, and gaps that driven bodies remember when one is cut.
     pub pairs: u32,
     /// Contacts of loose objects within one frame, and contacts that the host can read.
     pub contacts: u32,

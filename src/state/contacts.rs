@@ -77,6 +77,8 @@ columns! {
         /// negative while that is not known.
         way: [f32; capacities.pieces],
         own_way: [f32; capacities.pieces],
+        /// Which of its body's pieces each piece is.
+        number: [u32; capacities.pieces],
     }
 }
 

@@ -217,6 +217,17 @@ pub(crate) fn pair_motions<'a>(
     }
 }
 
+/// Where the pieces of a driven body's pair are, both in the root's frame when the body owns both, else in
+/// the world.
+pub(crate) fn pair_poses(state: &State, pair: &Pair, at: &Position) -> [Pose; 2] {
+    let (a, b) = (pair.a as usize, pair.b as usize);
+    if is_own(state, pair) {
+        [a, b].map(|piece| piece_pose(state, piece, &at.in_root()))
+    } else {
+        [piece_pose(state, a, at), obstacle_pose(state, b)]
+    }
+}
+
 /// The whole way between the two ends of a leg.
 pub(crate) const fn track(from: &Position, to: &Position) -> BodyTrack {
     BodyTrack {

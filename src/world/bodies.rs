@@ -145,6 +145,8 @@ impl World<'_> {
             self.remove_piece_at(piece);
         }
         self.remove_chains(body);
+        self.state.looks.forget(body);
+        self.state.looks.patience[body] = 0;
         if self.state.bodies.kind[body] == BodyKind::Driven.code() {
             self.state.registers.driven -= 1;
         }
