@@ -272,7 +272,7 @@ fn snap(state: &mut State, body: usize, dt_s: f32, purse: &mut Purse) -> Option<
     let coupling = state.bodies.coupling[body];
     let away = math::length(state.bodies.displacement[body].offset);
     // Every other turn of a body that waits goes without the look there, which may always be too much.
-    let waits = state.bodies.waiting[body].frames % 2 == 1;
+    let waits = state.bodies.waiting[body].turns % 2 == 1;
     if coupling.snap != Coupling::SNAP_WHEN_FREE || away <= coupling.divergence_m || waits {
         return None;
     }
@@ -442,7 +442,7 @@ impl Walk {
             return Ok(());
         }
         self.flags |= DrivenReport::OVERLAPS;
-        if state.bodies.waiting[self.body].frames % 2 == 1 {
+        if state.bodies.waiting[self.body].turns % 2 == 1 {
             return Ok(());
         }
         looks::keep(state, self.body, self.pairs, &self.at);

@@ -7,7 +7,7 @@ mod loose;
 
 use common::{Block, add_piece};
 use glam::{DQuat, DVec3};
-use loose::{ball, position};
+use loose::{ball, floor, position};
 use palpable::frame::{Budget, FrameInput, FrameReport};
 use palpable::limits::OVERLAP_SLOP_M;
 use palpable::math::Pose;
@@ -204,6 +204,31 @@ fn a_hand_that_rests_on_many_posts_gets_off_them() {
         assert!(position(&world, hand)[0] < 0.05 + 1e-4);
     }
     assert!(is_at(&world, hand, -0.3), "{:?}", position(&world, hand));
+}
+
+#[test]
+fn a_hand_that_is_never_through_leaves_others_their_turns() {
+    let mut world = world();
+    posts(&mut world);
+    let presses = hand(&mut world, Pose::at(0.0, 1.0, 0.0), Coupling::DEFAULT);
+    floor(&mut world);
+    let other = ball(&mut world, BodyKind::Driven, [0.5, 0.2, 0.0], 0.02);
+    let mut cut = 0;
+    for frame in 0..300 {
+        let slides = 0.001 * (frame % 3) as f32;
+        let target = Pose::at(0.2, 1.0 + slides, -slides);
+        world.set_target(presses, &target).unwrap();
+        let aside = Pose::at(0.5, -0.1, 0.001 * frame as f32);
+        world.set_target(other, &aside).unwrap();
+        world.step(&within(8));
+        assert!(position(&world, presses)[0] < 0.05 + 1e-4);
+        let flags = world.driven_report(presses).unwrap().flags;
+        cut += u32::from(flags & DrivenReport::CUT != 0);
+    }
+    println!("{cut}");
+    assert!(cut > 200, "{cut} frames were cut");
+    let [_, _, z] = position(&world, other);
+    assert!(z > 0.25, "left behind at {z} m");
 }
 
 #[test]

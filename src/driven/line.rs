@@ -10,13 +10,16 @@ use crate::state::bodies::{BodyKind, DrivenReport, is_body_of};
 /// The driven bodies of a frame, one after the other: those first that waited for the most frames, then
 /// those that overlap where the host put them, then those nearest to what the host looks at, then by slot.
 ///
-/// Whoever is cut waits, and whoever waits comes before all that did not; so with two bodies or two hundred
-/// each gets the whole of a frame's time in turn.
+/// Whoever is cut waits, and whoever waits comes before all that did not. Who was cut though it went first had
+/// its turn, and goes behind all others that wait; so with two bodies or two hundred each gets the whole of a
+/// frame's time in turn, and none that is never through keeps the others from theirs.
 pub(super) struct Line {
     focus: Option<Vec3>,
     /// Key of the last that went.
     last: Option<(u64, usize)>,
     turn: u32,
+    /// Who went first.
+    head: Option<usize>,
     /// The bodies before this one went in the same order in the last frame.
     pub(super) is_as_before: bool,
 }
@@ -27,6 +30,7 @@ impl Line {
             focus,
             last: None,
             turn: 0,
+            head: None,
             is_as_before: true,
         }
     }
@@ -46,6 +50,7 @@ impl Line {
         }
         let (_, body) = least?;
         self.last = least;
+        self.head = self.head.or(Some(body));
         let settled = &mut state.bodies.settled[body];
         self.is_as_before &= settled.turn == self.turn;
         settled.turn = self.turn;
@@ -74,10 +79,11 @@ impl Line {
                 let is_cut = flags & DrivenReport::CUT != 0 || chains > 0;
                 report.chains_cut += chains;
                 let waiting = &mut state.bodies.waiting[body];
-                waiting.frames = if is_cut {
-                    waiting.frames.saturating_add(1)
-                } else {
-                    0
+                let had_turn = self.head == Some(body);
+                (waiting.frames, waiting.turns) = match (is_cut, had_turn) {
+                    (false, _) => (0, 0),
+                    (true, true) => (1, waiting.turns.wrapping_add(1)),
+                    (true, false) => (waiting.frames.max(1).saturating_add(1), waiting.turns),
                 };
                 waiting.overlaps = u32::from(flags & DrivenReport::OVERLAPS != 0);
                 report.driven_cut += u32::from(is_cut);

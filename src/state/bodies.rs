@@ -321,8 +321,12 @@ pub(crate) struct Settled {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct Waiting {
-    /// Frames in a row that ended before a driven body was through, or before a loose one moved at all.
+    /// Frames in a row that ended before a driven body was through, since it last went first, or before a loose
+    /// one moved at all.
     pub frames: u32,
+    /// Frames of those that ended before a driven body was through in which it went first: in every other one it
+    /// does without what there may never be enough units for.
+    pub turns: u32,
     /// One while the body overlaps where the host put it.
     pub overlaps: u32,
     /// How much less than all events of a frame a loose body's island is given: it was cut before.
