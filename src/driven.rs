@@ -162,14 +162,6 @@ fn yield_once(state: &mut State, body: usize, purses: &mut Purses) -> u32 {
     flags
 }
 
-/// Notes which driven bodies were cut.
-pub(crate) fn age_looks(state: &mut State) {
-    for body in 0..state.registers.body_slots as usize {
-        let is_cut = state.bodies.report[body].flags & DrivenReport::CUT != 0;
-        state.looks.age(body, is_cut);
-    }
-}
-
 /// Notes the driven bodies that came to rest on sleeping objects.
 pub(crate) fn lean(state: &mut State) {
     for body in 0..state.registers.body_slots as usize {

@@ -90,7 +90,6 @@ pub(crate) fn step(state: &mut State, input: &FrameInput, clock: Option<Clock>) 
         driven::apart::keep(state, &spending, &mut report);
         driven::lean(state);
     }
-    driven::age_looks(state);
     publish::run(state, dt_s);
     events::run(state, &mut report);
     close_account(&account, &spending.costs, &mut report);

@@ -18,6 +18,8 @@ pub(crate) fn run(state: &mut State, dt_s: f32) {
             let before = state.bodies.pose[body].translation();
             publish_driven(state, body);
             report_reaction(state, body, dt_s);
+            let is_cut = state.bodies.report[body].flags & DrivenReport::CUT != 0;
+            state.looks.age(body, is_cut);
             let moved = state.bodies.pose[body].translation() - before;
             state.bodies.yielding[body].velocity = moved / dt_s;
         } else if is_loose(state, body) && moved(state, body) {
