@@ -263,9 +263,11 @@ fn frame_flags(flags: u32) -> u32 {
 fn snap(state: &mut State, body: usize, dt_s: f32, purse: &mut Purse) -> Option<u32> {
     let coupling = state.bodies.coupling[body];
     let away = math::length(state.bodies.displacement[body].offset);
+    if coupling.snap != Coupling::SNAP_WHEN_FREE || away <= coupling.divergence_m {
+        return None;
+    }
     // Every other turn of a body that waits goes without the look there, which may always be too much.
-    let waits = state.bodies.waiting[body].turns % 2 == 1;
-    if coupling.snap != Coupling::SNAP_WHEN_FREE || away <= coupling.divergence_m || waits {
+    if state.bodies.waiting[body].turns % 2 == 1 {
         return None;
     }
     let target = Position {
@@ -409,10 +411,11 @@ enum Next {
 impl Walk {
     /// Goes on from what the frame before knew of the gaps, when it was cut.
     fn resume(&mut self, state: &mut State, purse: &mut Purse) {
-        if state.looks.count[self.body] > 0 {
-            self.resumes = looks::pays(state, self.body, purse);
-            self.defers = !self.resumes;
+        if state.looks.count[self.body] == 0 {
+            return;
         }
+        self.resumes = looks::pays(state, self.body, purse);
+        self.defers = !self.resumes;
         if self.resumes {
             looks::recall(state, self.body, self.pairs, &self.at);
         }

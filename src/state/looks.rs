@@ -55,7 +55,15 @@ columns! {
 
 impl Looks<'_> {
     /// Notes whether a frame was cut before a body was through.
+    #[inline]
     pub(crate) fn age(&mut self, body: usize, is_cut: bool) {
+        if is_cut || self.patience[body] > 0 || self.count[body] > 0 {
+            self.count_frame(body, is_cut);
+        }
+    }
+
+    #[cold]
+    fn count_frame(&mut self, body: usize, is_cut: bool) {
         let patience = &mut self.patience[body];
         if is_cut {
             *patience = (*patience + 1).min(LOOK_FRAMES_MAX);
@@ -73,6 +81,7 @@ impl Looks<'_> {
     }
 
     /// Forgets what is known of a body's gaps.
+    #[cold]
     pub(crate) fn forget(&mut self, body: usize) {
         let count = core::mem::take(&mut self.count[body]);
         if count == 0 {
@@ -91,6 +100,7 @@ impl Looks<'_> {
 }
 
 /// Writes down what is known of a body's pairs where it is, as far as there is room.
+#[cold]
 pub(crate) fn keep(state: &mut State, body: usize, pairs: usize, at: &Position) {
     state.looks.forget(body);
     let first = state.looks.used();
@@ -131,6 +141,7 @@ pub(crate) fn pays(state: &State, body: usize, purse: &mut Purse) -> bool {
 }
 
 /// Fills in what is known of a body's pairs, of which nothing else is known yet, where it is now.
+#[cold]
 pub(crate) fn recall(state: &mut State, body: usize, pairs: usize, at: &Position) {
     number_pieces(state, body);
     let same_root = state.looks.root[body] == at.root;
