@@ -2,7 +2,9 @@
 //! time.
 
 pub mod costs;
+pub mod errors;
 mod figure;
+pub mod local;
 pub mod play;
 pub mod set;
 pub mod stopwatch;
@@ -16,6 +18,7 @@ use palpable::frame::CostTable;
 use serde::Serialize;
 
 pub use costs::{Calibration, Prices, calibrate};
+pub use errors::{Overall, overall};
 pub use figure::error_svg;
 pub use play::{DEADLINES_US, Outcome};
 pub use trials::{Kit, Trial};
@@ -29,6 +32,8 @@ pub struct Findings<'a> {
     pub prices: &'a Prices,
     /// Each trial at each deadline.
     pub outcomes: &'a [Outcome],
+    /// Errors over all trials at each deadline.
+    pub overall: &'a [Overall],
 }
 
 /// Plays some trials without a deadline and at all deadlines; `tick` is called after each.
@@ -45,12 +50,17 @@ pub fn run(
     let costs = CostTable::from(prices);
     let mut outcomes = Vec::new();
     for &trial in trials {
-        let mut trace = play::Trace::new();
-        let deadlines = std::iter::once(None).chain(DEADLINES_US.map(Some));
-        for deadline_us in deadlines {
-            let outcome = play::play(kit, trial, frames, deadline_us, &costs, &mut trace)?;
-            tick(&outcome);
-            outcomes.push(outcome);
+        let mut trace = play::Trace::sampled_at(&DEADLINES_US, &costs);
+        let whole = play::play(kit, trial, frames, None, &costs, &mut trace)?;
+        tick(&whole);
+        outcomes.push(whole);
+        for (deadline_us, local_errors) in DEADLINES_US.into_iter().zip(trace.take_local_errors()) {
+            let cut = play::play(kit, trial, frames, Some(deadline_us), &costs, &mut trace)?;
+            tick(&cut);
+            outcomes.push(Outcome {
+                local_errors,
+                ..cut
+            });
         }
     }
     Ok(outcomes)
@@ -64,7 +74,7 @@ pub fn write(findings: &Findings, out: &Path) -> io::Result<PathBuf> {
     std::fs::create_dir_all(out)?;
     let json = serde_json::to_string_pretty(findings)?;
     std::fs::write(out.join("deadline.json"), json)?;
-    let drawing = error_svg(findings.outcomes).map_err(io::Error::other)?;
+    let drawing = error_svg(findings.outcomes, findings.overall).map_err(io::Error::other)?;
     let path = out.join("deadline-error.svg");
     std::fs::write(&path, drawing)?;
     Ok(path)

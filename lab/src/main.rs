@@ -511,10 +511,13 @@ fn deadlines(
     bar.finish_and_clear();
     println!("{}\n", deadline::table::of_prices(&prices, None));
     println!("{}\n", deadline::table::of_times(&outcomes));
-    println!("{}\n", deadline::table::of_errors(&outcomes));
+    println!("{}\n", deadline::table::of_overlaps(&outcomes));
+    let overall = deadline::overall(&outcomes);
+    println!("{}\n", deadline::table::of_errors(&outcomes, &overall));
     let findings = deadline::Findings {
         prices: &prices,
         outcomes: &outcomes,
+        overall: &overall,
     };
     println!("wrote {}", deadline::write(&findings, out)?.display());
     Ok(())

@@ -10,6 +10,8 @@ use palpable::limits::OVERLAP_SLOP_M;
 use palpable::world::World;
 use serde::Serialize;
 
+use super::errors::{Distances, LocalError};
+use super::local::Sampler;
 use super::set::{Cast, FIXED};
 use super::stopwatch::{Loop, Taken, timed};
 use super::trials::{Kit, RATE_HZ, Trial};
@@ -94,16 +96,40 @@ pub struct Outcome {
     pub violations: u32,
     /// Deepest overlap with a fixed piece, in millimetres.
     pub overlap_mm: f64,
-    /// Mean distance of the driven pieces from where they were without a deadline, in millimetres.
-    pub error_mm_mean: f64,
-    /// The 99th percentile of the same over frames.
-    pub error_mm_p99: f64,
+    /// Distance of the driven pieces from where they are without a deadline, after so many frames from
+    /// the same state; none without a deadline.
+    pub local_errors: Vec<LocalError>,
+    /// Distance of the driven pieces from where the whole run without a deadline had them.
+    pub run_error: Distances,
     /// Mean time that a frame was priced at, in microseconds: what the error is drawn against.
     pub priced_us_mean: f64,
 }
 
-/// Where the driven pieces were, frame by frame.
-pub type Trace = Vec<f32>;
+/// The run without a deadline, as far as others are compared with it.
+#[derive(Default)]
+pub struct Trace {
+    /// Where the driven pieces were, frame by frame.
+    positions: Vec<f32>,
+    sampler: Sampler,
+}
+
+impl Trace {
+    /// For local errors at these deadlines, in microseconds. They are sampled by prices alone, with no
+    /// clock, so that they are the same whatever else the machine does.
+    #[must_use]
+    pub fn sampled_at(deadlines_us: &[u32], costs: &CostTable) -> Self {
+        let inputs = deadlines_us.iter().map(|&us| input(Some(us), costs));
+        Self {
+            sampler: Sampler::new(inputs),
+            ..Self::default()
+        }
+    }
+
+    /// The local errors at each deadline; they are given once.
+    pub fn take_local_errors(&mut self) -> Vec<Vec<LocalError>> {
+        std::mem::take(&mut self.sampler).errors()
+    }
+}
 
 struct Counts {
     /// What every frame spent, those that are not counted too.
@@ -118,7 +144,7 @@ struct Counts {
     judged: u32,
     violations: u32,
     overlap_m: f64,
-    errors_m: Vec<f64>,
+    errors_mm: Vec<f64>,
     priced_ns: u64,
 }
 
@@ -138,12 +164,19 @@ pub fn play(
     let mut counts = Counts::new(frames);
     let beside = Loop::measured();
     if deadline_us.is_none() {
-        trace.clear();
+        trace.positions.clear();
     }
     let hash = kit.stage(trial, |world, cast, judge| {
         for frame in 0..frames + UNCOUNTED {
+            if deadline_us.is_none() && trace.sampler.is_due(frame, frames + UNCOUNTED) {
+                let tell = |world: &mut World, frame| kit.tell(trial, world, cast, frame);
+                trace.sampler.branch(world, cast, frame, tell)?;
+            }
             kit.tell(trial, world, cast, frame)?;
             let (report, taken) = step(world, &input, deadline_us, costs);
+            if deadline_us.is_none() {
+                trace.sampler.compare(world, cast, frame)?;
+            }
             counts.spent.push(report.spent());
             if frame < UNCOUNTED {
                 continue;
@@ -276,15 +309,15 @@ fn compare(
             .piece_pose(piece)
             .map_err(|e| SceneError(format!("{e:?}")))?;
         if deadline_us.is_none() {
-            trace.extend(pose.position);
+            trace.positions.extend(pose.position);
         } else {
-            let noted = &trace[first + 3 * index..first + 3 * index + 3];
+            let noted = &trace.positions[first + 3 * index..first + 3 * index + 3];
             let [x, y, z]: [f64; 3] =
                 std::array::from_fn(|i| f64::from(pose.position[i]) - f64::from(noted[i]));
             sum += DVec3::new(x, y, z).length();
         }
     }
-    counts.errors_m.push(sum / count.max(1) as f64);
+    counts.errors_mm.push(1e3 * sum / count.max(1) as f64);
     Ok(())
 }
 
@@ -303,7 +336,7 @@ impl Counts {
             judged: 0,
             violations: 0,
             overlap_m: 0.0,
-            errors_m: Vec::with_capacity(room),
+            errors_mm: Vec::with_capacity(room),
             priced_ns: 0,
         }
     }
@@ -342,7 +375,7 @@ impl Counts {
     }
 
     /// `again_ns` are the frame times of a replay; none when there was none.
-    fn outcome(mut self, trial: Trial, deadline_us: Option<u32>, again_ns: &[u64]) -> Outcome {
+    fn outcome(self, trial: Trial, deadline_us: Option<u32>, again_ns: &[u64]) -> Outcome {
         let both: Vec<u64> = self
             .cpu_ns
             .iter()
@@ -355,9 +388,6 @@ impl Counts {
             ns.iter().filter(|&&ns| ns > most).count() as u32
         };
         let (misses_cpu, misses_wall) = (late(&self.cpu_ns), late(&self.wall_ns));
-        let mean = self.errors_m.iter().sum::<f64>() / frames.max(1) as f64;
-        self.errors_m.sort_by(f64::total_cmp);
-        let p99 = self.errors_m[(frames * 99).div_ceil(100).max(1) - 1];
         Outcome {
             trial: trial.name(),
             deadline_us,
@@ -375,8 +405,8 @@ impl Counts {
             judged: self.judged,
             violations: self.violations,
             overlap_mm: 1e3 * self.overlap_m,
-            error_mm_mean: 1e3 * mean,
-            error_mm_p99: 1e3 * p99,
+            local_errors: vec![],
+            run_error: Distances::of_mm(self.errors_mm),
             priced_us_mean: 1e-3 * self.priced_ns as f64 / frames.max(1) as f64,
         }
     }

@@ -3,6 +3,8 @@
 use comfy_table::{Cell, CellAlignment, LineStyle, Table, presets};
 
 use super::costs::{Calibration, Prices};
+use super::errors::{Distances, LocalError, Overall};
+use super::local::{HORIZONS, SAMPLED_EVERY};
 use super::play::{Outcome, Times};
 
 fn right(text: impl ToString) -> Cell {
@@ -68,14 +70,13 @@ pub fn of_times(outcomes: &[Outcome]) -> String {
     table.to_string()
 }
 
-/// Error against budget, and what the judge found.
+/// Prices, and what the judge found.
 #[must_use]
-pub fn of_errors(outcomes: &[Outcome]) -> String {
+pub fn of_overlaps(outcomes: &[Outcome]) -> String {
     let mut table = table(&[
         "trial",
         "deadline [us]",
         "mean price [us]",
-        "distance from the run without a deadline: mean, 99 % [mm]",
         "judged",
         "overlap > 0.1 mm",
         "deepest [mm]",
@@ -85,16 +86,66 @@ pub fn of_errors(outcomes: &[Outcome]) -> String {
             Cell::new(outcome.trial),
             right(deadline(outcome)),
             right(us(outcome.priced_us_mean)),
-            right(format!(
-                "{:.3}, {:.3}",
-                outcome.error_mm_mean, outcome.error_mm_p99
-            )),
             right(outcome.judged),
             right(outcome.violations),
             right(format!("{:.4}", outcome.overlap_mm)),
         ]);
     }
     table.to_string()
+}
+
+fn mean_and_99(distances: &Distances) -> Cell {
+    right(if distances.count == 0 {
+        "-".to_owned()
+    } else {
+        format!("{:.3}, {:.3}", distances.mean_mm, distances.p99_mm)
+    })
+}
+
+/// Error against deadline: of a frame, of a few, and of whole runs.
+#[must_use]
+pub fn of_errors(outcomes: &[Outcome], overall: &[Overall]) -> String {
+    let [soon, later] = HORIZONS.map(|frames| match frames {
+        1 => "1 frame".to_owned(),
+        _ => format!("{frames} frames"),
+    });
+    let heads = [
+        "trial".to_owned(),
+        "deadline [us]".to_owned(),
+        "samples".to_owned(),
+        format!("driven, {soon} from the same state: mean, 99 % [mm]"),
+        format!("driven, {later} from the same state [mm]"),
+        "driven, whole runs apart [mm]".to_owned(),
+        format!("loose, {soon} [mm]"),
+        format!("loose, {later} [mm]"),
+    ];
+    let mut table = table(&heads.each_ref().map(String::as_str));
+    let mut row = |trial: &str, deadline_us: u32, local: &[LocalError], run: &Distances| {
+        let [soon, later] = local else { return };
+        table.add_row([
+            Cell::new(trial),
+            right(deadline_us),
+            right(soon.driven.count),
+            mean_and_99(&soon.driven),
+            mean_and_99(&later.driven),
+            mean_and_99(run),
+            mean_and_99(&soon.loose),
+            mean_and_99(&later.loose),
+        ]);
+    };
+    for at in outcomes {
+        if let Some(us) = at.deadline_us {
+            row(at.trial, us, &at.local_errors, &at.run_error);
+        }
+    }
+    for at in overall {
+        row("all", at.deadline_us, &at.local_errors, &at.run_error);
+    }
+    format!(
+        "distances from where there is no deadline, in the mean over the pieces of a frame: after as many \
+         frames from the same state, sampled every {SAMPLED_EVERY} frames, with what the deadline buys and no \
+         clock; and between the whole runs\n{table}"
+    )
 }
 
 /// A cost table.
