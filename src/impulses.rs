@@ -14,6 +14,7 @@
 //! mass of its coupling, in the first event; later in the frame it stops.
 
 mod cluster;
+mod energy;
 mod gather;
 mod islands;
 mod line;

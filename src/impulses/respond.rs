@@ -11,7 +11,7 @@ use glam::{Mat3, Vec3};
 use super::movers::{is_free, mover};
 use super::solver::{Order, Problem};
 use super::sweep::{prescribed, root_velocity};
-use super::{Stretch, cluster, gather, rest, touch};
+use super::{Stretch, cluster, energy, gather, rest, touch};
 use crate::limits::{
     BOUNCE_MIN, CONTACT_SHARE_MIN, CONTACT_TURN_RAD, GAP_FLOOR_M, GAP_RESTORED, GAP_RESTORED_PER_S,
     GIVING_INERTIA_KG_M2, GRIP_EVENED, LONE_BOUNCE_MIN, LONE_BOUNCE_PART, LOOSE_REST_M,
@@ -363,60 +363,14 @@ fn warm_start(state: &mut State, rows: usize, stretch: &Stretch) {
         row.rests = u32::from(rested);
     }
     even_grips(state, rows, stretch);
-    if has_driven(state, stretch.island as usize) {
-        push_remembered(state, rows, 1.0);
-    } else {
-        remember_within_energy(state, rows, stretch);
+    let remembered: fn(&Row) -> bool = |row| row.pushes == 1 && row.rests == 0;
+    let squeezed = has_driven(state, stretch.island as usize);
+    let mut posed = problem(state, rows, stretch);
+    energy::apply(&mut posed, remembered, 1.0);
+    // What hands press from both sides does no work but by rounding.
+    if !squeezed {
+        energy::keep_passive(&mut posed, remembered);
     }
-}
-
-/// Applies what the rows remember, or the best share of it when it would feed energy in: what impulses held up
-/// one after the other, a body ten thousand times as heavy, they would throw up before they took it back.
-///
-/// Impulses J that change the velocities v of their contacts by K J do the work J.v + J.K J / 2, the mean of
-/// their power before and after. When that is positive, the share -J.v / J.K J does the least. Not where hands
-/// squeeze: what presses from both sides does no work but by rounding.
-fn remember_within_energy(state: &mut State, rows: usize, stretch: &Stretch) {
-    let (before, _) = remembered_power(state, rows, stretch);
-    push_remembered(state, rows, 1.0);
-    let (after, rounded) = remembered_power(state, rows, stretch);
-    if before + after <= rounded {
-        return;
-    }
-    let share = math::clamp(-before / (after - before), 0.0, 1.0);
-    push_remembered(state, rows, share - 1.0);
-    for row in &mut state.rows.rows[..rows] {
-        if row.pushes == 1 && row.rests == 0 {
-            row.impulse *= share;
-        }
-    }
-}
-
-/// Applies a share of what the rows remember.
-fn push_remembered(state: &mut State, rows: usize, share: f32) {
-    for index in 0..rows {
-        let row = state.rows.rows[index];
-        if row.pushes == 1 && row.rests == 0 {
-            let impulse = row.impulse * share;
-            state.rows.movers[row.body_a as usize].push(row.arm_a, impulse);
-            state.rows.movers[row.body_b as usize].push(row.arm_b, -impulse);
-        }
-    }
-}
-
-/// What the rows remember times how fast they open beyond their targets, in joules, and what of it counts as no
-/// error.
-fn remembered_power(state: &mut State, rows: usize, stretch: &Stretch) -> (f32, f32) {
-    let posed = problem(state, rows, stretch);
-    let (mut power, mut pushes) = (0.0, 0.0);
-    for row in posed.rows.iter() {
-        if row.pushes == 1 && row.rests == 0 {
-            let velocity = posed.relative_velocity(row) - row.normal * row.target;
-            power += row.impulse.dot(velocity);
-            pushes += math::length(row.impulse);
-        }
-    }
-    (power, pushes * posed.tolerance)
 }
 
 /// Spreads what presses a held object over each manifold a little more evenly than the frame before. Which

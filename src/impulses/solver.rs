@@ -14,6 +14,7 @@
 
 use glam::{Mat3, Vec3};
 
+use super::energy;
 use super::queue::Queue;
 use crate::limits::IMPULSES_PER_CONTACT_MAX;
 use crate::math;
@@ -111,7 +112,8 @@ impl Problem<'_> {
     }
 
     /// Finds the impulses of a stretch of time that keep every contact at its target, starting from the
-    /// rows' impulses, which are already in the movers' velocities ([`Problem::warm_start`]).
+    /// rows' impulses, which are already in the movers' velocities ([`Problem::warm_start`]). Sweeps that come
+    /// to no end, as between surfaces that jam, leave the share of them that feeds in no energy.
     pub fn settle(&mut self, budget: u32) -> u32 {
         self.settle_paid(&mut within(budget))
     }
@@ -224,7 +226,9 @@ impl Problem<'_> {
                 if self.rows.iter().all(|row| row.pushes < QUEUED_MAX) {
                     return applied;
                 }
-                applied + self.conjugate(pay)
+                let swept = self.conjugate(pay);
+                energy::keep_passive(self, |row| row.impulse != Vec3::ZERO);
+                applied + swept
             }
             (Order::Sweep | Order::Conjugate, _) => self.sweep(question, pay),
             _ => self.work_off(question, pay),
