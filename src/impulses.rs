@@ -242,8 +242,12 @@ impl Island {
     }
 
     /// Ends the stretch where the way between its two poses is no longer that of the body that turns most, and
-    /// sooner after events that brought nobody forward.
+    /// sooner after events that brought nobody forward. Not among driven bodies: they feed energy in and take it
+    /// out, and each end is another event of all that they touch.
     fn end_turn(&mut self, state: &mut State, stalls: u32) {
+        if respond::has_driven(state, self.stretch.island as usize) {
+            return;
+        }
         let share = respond::turns_for(state, &self.stretch, stalls);
         if share < 1.0 {
             let Stretch { from, to, .. } = self.stretch;
