@@ -94,6 +94,13 @@ pub fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
+/// The smaller of two numbers in double precision; `b` when either is not a number.
+#[inline]
+#[must_use]
+pub fn min_f64(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
 /// The larger of two numbers in double precision; `b` when either is not a number.
 #[inline]
 #[must_use]

@@ -49,6 +49,11 @@ impl Goal {
         !is_soft
     }
 
+    /// Whether missing it to either side costs something, and no more than that.
+    pub(super) fn is_spring(&self) -> bool {
+        self.is_exact && !self.is_hard()
+    }
+
     /// What missing a soft goal costs, in rad2; nothing for a hard one.
     pub(super) fn soft_cost(&self, posture: &Posture) -> f32 {
         if self.is_hard() {
@@ -86,38 +91,18 @@ impl Goal {
         self.link == other.link && self.point == other.point
     }
 
-    /// The hinges that move the point, from the root on.
-    fn moving<'p>(&self, posture: &'p Posture) -> &'p [Placed] {
-        &posture[..posture.len().min(self.link.saturating_add(1))]
-    }
-
     /// How the point turns with each hinge.
     pub(super) fn levers(&self, posture: &Posture) -> Levers {
-        let at = self.at(posture);
-        let moving = self.moving(posture).iter();
-        Levers {
-            at,
-            by: moving
-                .map(|Placed { origin, axis, .. }| axis.cross(at - *origin))
-                .collect(),
+        let mut levers = Levers {
+            at: self.at(posture),
+            by: [Vec3::ZERO; CHAIN_HINGES_MAX],
+            hinges: posture.len().min(self.link.saturating_add(1)),
+        };
+        let moving = posture.iter().take(levers.hinges);
+        for (by, Placed { origin, axis, .. }) in levers.by.iter_mut().zip(moving) {
+            *by = axis.cross(levers.at - *origin);
         }
-    }
-
-    /// How the point's way bends when the joints turn, to second order.
-    pub(super) fn bends(&self, posture: &Posture, turned: &Row) -> Bends {
-        let at = self.at(posture);
-        let (mut spin, mut sum) = (Vec3::ZERO, Vec3::ZERO);
-        let moving = self.moving(posture).iter().zip(turned);
-        let across = moving
-            .map(|(Placed { origin, axis, .. }, turned)| {
-                let by = axis.cross(at - *origin);
-                let own = *axis * *turned;
-                sum += (2.0 * spin + own).cross(by * *turned);
-                spin += own;
-                axis.cross(by)
-            })
-            .collect();
-        Bends { sum, across }
+        levers
     }
 
     pub(super) fn row(&self, levers: &Levers) -> Row {
@@ -129,30 +114,41 @@ impl Goal {
     }
 }
 
-/// Derivatives of a point's place by the angles, in metres per radian.
+/// A point and how it turns with the hinges.
 pub(super) struct Levers {
     /// Where the point is.
     pub at: Vec3,
-    by: ArrayVec<Vec3, CHAIN_HINGES_MAX>,
+    /// Derivatives of its place by the angles, in metres per radian.
+    by: [Vec3; CHAIN_HINGES_MAX],
+    /// How many hinges, from the root on, move it.
+    hinges: usize,
 }
 
-/// Second derivatives of a point's place.
-pub(super) struct Bends {
-    /// Twice how far the point leaves its tangent, in metres.
-    sum: Vec3,
-    /// By each angle alone, in m/rad2.
-    across: ArrayVec<Vec3, CHAIN_HINGES_MAX>,
-}
-
-impl Bends {
-    /// How far a height stays behind its tangent, in metres.
-    pub(super) fn short_m(&self, normal: Vec3) -> f32 {
-        -0.5 * normal.dot(self.sum)
+impl Levers {
+    /// Those of the hinges that move the point, from the root on.
+    pub(super) fn by(&self) -> &[Vec3] {
+        &self.by[..self.hinges]
     }
 
-    /// Minus a height's second derivative by each angle, in m/rad2.
-    pub(super) fn curvature(&self, normal: Vec3) -> impl Iterator<Item = f32> {
-        self.across.iter().map(move |across| -normal.dot(*across))
+    /// How far the point goes along its tangent, in metres.
+    pub(super) fn along(&self, turned: &Row) -> Vec3 {
+        let ways = self
+            .by()
+            .iter()
+            .zip(turned)
+            .map(|(by, turned)| *by * *turned);
+        ways.fold(Vec3::ZERO, |sum, way| sum + way)
+    }
+
+    /// How far the point leaves its tangent when the joints turn, to second order, in metres.
+    pub(super) fn aside(&self, posture: &Posture, turned: &Row) -> Vec3 {
+        let (mut spin, mut sum) = (Vec3::ZERO, Vec3::ZERO);
+        for ((hinge, by), turned) in posture.iter().zip(self.by()).zip(turned) {
+            let own = hinge.axis * *turned;
+            sum += (2.0 * spin + own).cross(*by * *turned);
+            spin += own;
+        }
+        0.5 * sum
     }
 }
 

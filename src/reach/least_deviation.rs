@@ -2,16 +2,19 @@
 //!
 //! Least sum of squared changes from the tracked angles, and what missing the soft goals costs, subject
 //! to the hard goals' planes, the joint limits and the reach cones: sequential quadratic programming
-//! with goals and cones linearised. A step is taken only if it gets nearer to the
-//! goals, or, with the goals met, lowers the cost; it is halved otherwise.
+//! with goals and cones linearised and the second derivatives of the Lagrangian. A step is taken only if it
+//! gets nearer to the goals, or, with the goals met, lowers the cost; it is halved otherwise.
 //!
 //! The first step starts from the tracked angles. Where it misses, because the planes of the goals bend
 //! with the angles, the next ones are the least changes from where it came to: a Newton method for the
 //! goals alone, which converges where further steps from the tracked angles would swing from side to
 //! side. Once the goals are met, steps pull toward the tracked angles again.
 //!
-//! Contacts push shoulders, whose radius is the whole arm: second derivatives count, and are used where
-//! they do. Where a step gains little all the same, one joint is turned alone.
+//! Contacts push shoulders, whose radius is the whole arm, and a soft goal out of reach pulls with all that
+//! it is missed by: second derivatives count. With them a step leaves about its own square to be turned, and
+//! a chain that follows its tracker from frame to frame takes one: the search ends where that square is
+//! small. What goals that have to be met exactly leave would not be mended by a later frame, and their
+//! search goes on. Where a step gains little all the same, one joint is turned alone.
 //!
 //! Newton's method stalls at a straight arm whose goal is toward its shoulder, at joints on their limits
 //! and out of reach. It is damped more when a step fails (Levenberg 1944). Where exact goals still are
@@ -20,13 +23,16 @@
 //! would make a chain jump.
 
 mod alone;
+mod metric;
 mod program;
 mod spot;
 
 pub use program::PASSES_MAX;
 
-use super::goal::{Angles, Reached, Task};
-use crate::limits::CHAIN_HINGES_MAX;
+use arrayvec::ArrayVec;
+
+use super::goal::{Angles, Goal, Levers, Reached, Task};
+use crate::limits::{CHAIN_GOALS_MAX, CHAIN_HINGES_MAX};
 use crate::math;
 use alone::turned_alone;
 use program::{NARROW, Program};
@@ -37,6 +43,10 @@ const TURN_MAX: f32 = 0.7;
 
 /// A step that would turn no joint by more than this ends the search, in radians.
 const TURN_MIN: f32 = 1e-4;
+
+/// What a Newton step that turns no joint by more than this leaves to be turned is about its square, less
+/// than what ends the search.
+const TURN_SURE: f32 = 1.5e-2;
 
 /// How often a step is halved.
 const HALVINGS_MAX: u32 = 4;
@@ -65,7 +75,8 @@ const STALL_STEPS: u32 = 4;
 /// Takes up to `steps` steps from `angles`, which stay within the limits.
 ///
 /// A step is one linearisation, at most three times [`PASSES_MAX`] factorisations of a matrix with as
-/// many rows as goals and two for each ball, and at most six forward kinematics; near the goals it is one
+/// many rows as goals and two for each ball, as many and two more of one with as many rows as joints, and at
+/// most six forward kinematics; near the goals it is one
 /// solution and one forward kinematics. With all goals met at the tracked angles no step is taken. Fewer
 /// than six steps left mean no restart.
 pub fn least_deviation(task: &Task, angles: &mut [f32], steps: u32) -> Reached {
@@ -132,7 +143,11 @@ fn descend(
         } else {
             step::<CHAIN_HINGES_MAX>(task, spot, restores, damping)
         };
-        let Some(next) = next else {
+        let Some(Step {
+            spot: next,
+            is_newton,
+        }) = next
+        else {
             if was_met || damping >= DAMPING_MAX {
                 break;
             }
@@ -146,6 +161,9 @@ fn descend(
             *spot = next;
         }
         damping = math::max(damping / DAMPING_FACTOR, least_damping);
+        if spot.is_met && !restores && is_newton && turned <= TURN_SURE && !asks_exactly(task) {
+            break;
+        }
         if spot.is_met && was_met && turned <= TURN_MIN {
             break;
         }
@@ -171,12 +189,31 @@ fn descend(
     used
 }
 
-/// Where one step comes to, by a program for at most `W` joints.
-fn step<const W: usize>(task: &Task, spot: &Spot, restores: bool, damping: f32) -> Option<Spot> {
-    let mut program = Program::<W>::new(task, spot, restores, damping);
+/// What one step comes to.
+struct Step {
+    spot: Spot,
+    /// Whether it is a whole step of Newton's method.
+    is_newton: bool,
+}
+
+/// One step by a program for at most `W` joints.
+fn step<const W: usize>(task: &Task, spot: &Spot, restores: bool, damping: f32) -> Option<Step> {
+    let points = task.used_goals().chunk_by(Goal::is_beside);
+    let levers: ArrayVec<Levers, CHAIN_GOALS_MAX> = points
+        .map(|beside| beside[0].levers(&spot.placed))
+        .collect();
+    let mut program = Program::<W>::new(task, spot, &levers, restores, damping);
     program.solve(task);
-    program.bend(task, spot);
-    guarded(task, spot, &program.angles(), program.penalty())
+    let is_newton = program.bend(task, &spot.placed, &levers, restores);
+    let mut step = guarded(task, spot, &program.angles(), program.penalty())?;
+    step.is_newton &= is_newton;
+    Some(step)
+}
+
+/// Whether anything has to be met to both sides: what is left of that no later frame mends.
+fn asks_exactly(task: &Task) -> bool {
+    let mut hard = task.used_goals().iter().filter(|goal| goal.is_hard());
+    hard.any(|goal| goal.is_exact)
 }
 
 fn most_turned(from: &Angles, to: &[f32]) -> f32 {
@@ -185,7 +222,7 @@ fn most_turned(from: &Angles, to: &[f32]) -> f32 {
 }
 
 /// The longest part of the way to a program's angles that is worth going, as a spot.
-fn guarded(task: &Task, spot: &Spot, next: &Angles, penalty: f32) -> Option<Spot> {
+fn guarded(task: &Task, spot: &Spot, next: &Angles, penalty: f32) -> Option<Step> {
     let most = most_turned(&spot.q, next);
     let mut share = if most > TURN_MAX {
         TURN_MAX / most
@@ -211,11 +248,18 @@ fn guarded(task: &Task, spot: &Spot, next: &Angles, penalty: f32) -> Option<Spot
             let lags = !trial.is_met && trial.shortfall > LAG * spot.shortfall;
             let alone = if lags { turned_alone(task, spot) } else { None };
             let alone = alone.and_then(|q| worth(task, &trial, q, penalty));
-            return Some(alone.unwrap_or(trial));
+            return Some(Step {
+                is_newton: share == 1.0 && alone.is_none(),
+                spot: alone.unwrap_or(trial),
+            });
         }
         share *= 0.5;
     }
-    worth(task, spot, turned_alone(task, spot)?, penalty)
+    let spot = worth(task, spot, turned_alone(task, spot)?, penalty)?;
+    Some(Step {
+        spot,
+        is_newton: false,
+    })
 }
 
 /// The spot at some angles taken into the limits, if it is worth going there.

@@ -17,11 +17,12 @@ use crate::reach::goal::{Angles, Goal, Task};
 pub(super) fn turned_alone(task: &Task, spot: &Spot) -> Option<Angles> {
     let goal = worst(task, spot)?;
     let need = -goal.above_m(&spot.placed);
-    let row = goal.row(&goal.levers(&spot.placed));
-    let bends = goal.bends(&spot.placed, &[0.0; CHAIN_HINGES_MAX]);
+    let levers = goal.levers(&spot.placed);
+    let row = goal.row(&levers);
     let mut curvature = [0.0; CHAIN_HINGES_MAX];
-    for (slot, bend) in curvature.iter_mut().zip(bends.curvature(goal.normal)) {
-        *slot = bend;
+    let moving = spot.placed.iter().zip(levers.by());
+    for (slot, (hinge, by)) in curvature.iter_mut().zip(moving) {
+        *slot = -goal.normal.dot(hinge.axis.cross(*by));
     }
     let mut best = (0, 0.0);
     let mut least = need.abs();

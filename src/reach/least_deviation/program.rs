@@ -1,23 +1,26 @@
 //! The program of one step: goals and cones linearised, solved through its dual.
 //!
-//! Least |y - reference|^2 / 2 + sum of s^2 / (2 softness) over angles y within the hinges' ranges,
-//! subject to rows . y + s >= least, or equal where exact, s being zero where hard. The dual matrix is
-//! rows rows^T + softness on the diagonal; forces f give y = reference + rows^T f, kept within the
-//! ranges. Which rows press and which joints are at their limits is found by the primal-dual active set
-//! method (Hintermueller, Ito and Kunisch 2002: for these programs a Newton method), at most
-//! [`PASSES_MAX`] times a small factorisation.
+//! Least d M d / 2 + slope . d + sum of s^2 / (2 softness) over turns d that stay within the hinges'
+//! ranges, subject to rows . d + s >= need, or equal where exact, s being zero where hard. Soft goals that
+//! are exact have no rows: they are part of the metric M, which has the second derivatives of the cost,
+//! and of the slope. Forces f give d = inverse of M times (rows^T f - slope), and the dual matrix is rows
+//! times the inverse of M times rows^T, with softness on the diagonal. Which rows press and which joints
+//! are at their limits is found by the primal-dual active set method (Hintermueller, Ito and Kunisch 2002:
+//! for these programs a Newton method), at most [`PASSES_MAX`] times a small factorisation.
 //!
 //! Heights bend: a shoulder's by as much as the arm is long. Where that matters the program is solved
 //! twice more, see [`Program::bend`].
 
 use arrayvec::ArrayVec;
+use glam::Vec3;
 
 use super::TURN_MAX;
+use super::metric::{Factor, Metric, Wide, product};
 use super::spot::Spot;
-use crate::geometry::chain::Hinge;
+use crate::geometry::chain::{Hinge, Posture};
 use crate::limits::{CHAIN_GOALS_MAX, CHAIN_HINGES_MAX};
 use crate::math;
-use crate::reach::goal::{Angles, CHAIN_BALLS_MAX, Goal, Row, Task};
+use crate::reach::goal::{Angles, CHAIN_BALLS_MAX, Goal, Levers, Row, Task};
 
 /// Most factorisations in one solution of a step's program, of which there are at most three.
 pub const PASSES_MAX: u32 = 7;
@@ -31,17 +34,20 @@ const PENALTY_FACTOR: f32 = 1.5;
 
 type Rows<T> = ArrayVec<T, ROWS_MAX>;
 
-/// Soft goals of 1e-5 m2/rad2 against hard ones mean forces of 1e4 that cancel: f32 would not do.
-type Wide<const W: usize> = [f64; W];
-
 /// Chains of no more hinges than this have programs of this width.
 pub(super) const NARROW: usize = CHAIN_HINGES_MAX / 2;
 
 /// Goals that bend away by no more than this part of the tolerance are taken for straight.
 const BEND_MIN: f32 = 0.25;
 
-/// Most that second derivatives stiffen a joint, the pull toward its tracked angle being one.
-const SPRING_MAX: f32 = 10.0;
+/// Least curvature that a step trusts, that of the change of the angles being one.
+const PIVOT_MIN: f64 = 0.1;
+
+/// Curvature that is not worth solving again for, that of the change of the angles being one.
+const CURVED_MIN: f64 = 0.03;
+
+/// Ways that turn a joint by more are so far that soft goals are taken for straight, in radians.
+const LEAP_MIN: f32 = 0.25;
 
 /// Most that is asked for where a goal bends away, as a part of what is needed.
 const LEAD_MAX: f32 = 2.0;
@@ -61,10 +67,11 @@ fn lead(short: f32) -> f32 {
 /// One linearised goal or edge.
 struct Line<const W: usize> {
     row: Wide<W>,
-    least: f64,
+    /// The height that is asked for, above where the point is.
+    need: f64,
     is_exact: bool,
     softness: f64,
-    /// The row's product with itself and its softness: what a unit of force does to it.
+    /// The row's product with itself and its softness.
     stiffness: f64,
     /// What is added to the diagonal of the matrix.
     added: f64,
@@ -73,63 +80,108 @@ struct Line<const W: usize> {
     presses: bool,
 }
 
+/// How goals bend on a way.
+struct Bent<const W: usize> {
+    /// Second derivatives that goals add to the cost.
+    curvature: Metric<W>,
+    /// The most that a pressing goal stays behind its tangent, in metres.
+    short_m: f32,
+    /// Whether the way is so far that soft goals were taken for straight: what is missed where it begins says
+    /// little of what is missed where it ends.
+    leaps: bool,
+}
+
 /// A program for at most `W` joints.
 pub(super) struct Program<const W: usize> {
     lines: Rows<Line<W>>,
-    /// The angles that the change is least from, zero beyond the joints.
-    reference: Wide<W>,
-    y: Wide<W>,
     joints: usize,
-    /// The reference before springs are added.
-    tracked: Wide<W>,
-    /// How far a unit of force turns each joint.
-    give: Wide<W>,
+    /// Where it is linearised; zero beyond the joints.
+    q: Wide<W>,
+    /// First derivatives of the cost there.
+    slope: Wide<W>,
+    /// Second derivatives of the cost.
+    metric: Metric<W>,
+    /// Those among the joints that are not at their limits.
+    factor: Factor<W>,
+    /// The turns found.
+    turns: Wide<W>,
 }
 
 impl<const W: usize> Program<W> {
     /// The program at a spot; `restores` asks for the least change from there instead of from the
     /// tracked angles.
-    pub(super) fn new(task: &Task, spot: &Spot, restores: bool, damping: f32) -> Self {
+    pub(super) fn new(
+        task: &Task,
+        spot: &Spot,
+        levers: &[Levers],
+        restores: bool,
+        damping: f32,
+    ) -> Self {
         let q = padded(&spot.q);
         let joints = spot.q.len();
-        let reference = if restores {
-            q
-        } else {
-            padded(&task.wanted[..joints])
-        };
-        let mut new = Self {
-            lines: Rows::new(),
-            reference,
-            y: reference,
-            joints,
-            tracked: reference,
-            give: [1.0; W],
-        };
-        let mut largest = 0.0;
-        for beside in task.used_goals().chunk_by(Goal::is_beside) {
-            let levers = beside[0].levers(&spot.placed);
-            for goal in beside {
-                let row = widened(&goal.row(&levers));
-                let softness = if goal.is_hard() { 0.0 } else { goal.softness };
-                let above_m = goal.normal.dot(levers.at) - goal.height_m;
-                let least = product(&row, &q) - f64::from(above_m);
-                let line = Line::new(row, least, goal.is_exact, f64::from(softness));
-                if goal.is_hard() {
-                    largest = math::max_f64(line.stiffness, largest);
-                }
-                new.lines.push(line);
+        let mut slope = [0.0; W];
+        if !restores {
+            let wanted: Wide<W> = padded(&task.wanted[..joints]);
+            for j in 0..joints {
+                slope[j] = q[j] - wanted[j];
             }
         }
+        let metric = Metric::new();
+        let mut new = Self {
+            lines: Rows::new(),
+            joints,
+            q,
+            slope,
+            factor: Factor::new(&metric, &[true; W], joints),
+            metric,
+            turns: [0.0; W],
+        };
+        let largest = new.add_goals(task, levers);
         for line in &mut new.lines {
             line.added =
                 line.softness + f64::from(damping) * largest + f64::from(f32::MIN_POSITIVE);
         }
-        new.add_cones(task, spot, &q);
+        new.add_cones(task, spot);
+        if new.metric.is_unit() {
+            for j in 0..joints {
+                new.turns[j] = -new.slope[j];
+            }
+        } else {
+            new.factor = Factor::new(&new.metric, &[true; W], joints);
+        }
         new.choose();
         new
     }
 
-    fn add_cones(&mut self, task: &Task, spot: &Spot, q: &Wide<W>) {
+    /// Adds rows for hard goals, and soft ones to the cost; the largest stiffness of a hard one.
+    fn add_goals(&mut self, task: &Task, levers: &[Levers]) -> f64 {
+        let mut largest = 0.0;
+        let points = task.used_goals().chunk_by(Goal::is_beside);
+        for (beside, levers) in points.zip(levers) {
+            for goal in beside {
+                let row = widened(&goal.row(levers));
+                let above_m = goal.normal.dot(levers.at) - goal.height_m;
+                if goal.is_spring() {
+                    let stiffness = 1.0 / goal.softness;
+                    self.metric
+                        .add_square(&row, f64::from(stiffness), self.joints);
+                    for j in 0..W {
+                        self.slope[j] += row[j] * f64::from(above_m * stiffness);
+                    }
+                    continue;
+                }
+                let softness = if goal.is_hard() { 0.0 } else { goal.softness };
+                let line = Line::new(row, -f64::from(above_m), goal.is_exact, f64::from(softness));
+                if goal.is_hard() {
+                    largest = math::max_f64(line.stiffness, largest);
+                }
+                self.lines.push(line);
+            }
+        }
+        largest
+    }
+
+    fn add_cones(&mut self, task: &Task, spot: &Spot) {
         for ball in task.used_balls() {
             if ball.first.saturating_add(2) >= self.joints {
                 continue;
@@ -140,76 +192,134 @@ impl<const W: usize> Program<W> {
                 let mut row = [0.0; W];
                 row[ball.first] = f64::from(normal.dot(by_a));
                 row[ball.first + 1] = f64::from(normal.dot(by_b));
-                let least = product(&row, q) - f64::from(normal.dot(limb));
-                let mut line = Line::new(row, least, false, 0.0);
+                let mut line = Line::new(row, -f64::from(normal.dot(limb)), false, 0.0);
                 line.added = CONE_DAMPING * line.stiffness + f64::from(f32::MIN_POSITIVE);
                 self.lines.push(line);
             }
         }
     }
 
-    /// Solves again with second derivatives, where goals bend away by more than a part of the tolerance:
-    /// joints along which the pressing goals bend give way less, and then as much more is asked for as
-    /// the goals bend away from their tangents.
-    ///
-    /// Of the Hessian of the Lagrangian the diagonal is kept, where it is positive.
-    pub(super) fn bend(&mut self, task: &Task, spot: &Spot) {
+    /// Solves again with second derivatives, where they matter: with those of the Lagrangian, and then as
+    /// much more is asked for as the goals bend away from their tangents. Whether the turns found are those
+    /// of a Newton step.
+    pub(super) fn bend(
+        &mut self,
+        task: &Task,
+        posture: &Posture,
+        levers: &[Levers],
+        restores: bool,
+    ) -> bool {
+        let mut is_newton = true;
+        let straight = self.metric.clone();
         for leads in [false, true] {
-            let mut turned = difference(&self.angles(), &spot.q);
-            let widest = turned.iter().map(|x| x.abs()).fold(0.0, math::max);
-            let part = if widest > TURN_MAX {
-                TURN_MAX / widest
-            } else {
-                1.0
-            };
-            for turned in &mut turned {
-                *turned *= part;
+            let Bent {
+                curvature,
+                short_m,
+                leaps,
+            } = self.bent(task, posture, levers, leads);
+            is_newton &= !leaps;
+            let is_straight = short_m <= BEND_MIN * task.tolerance_m;
+            if is_straight && (leads || curvature.largest() <= CURVED_MIN) {
+                return is_newton;
             }
-            let mut most = 0.0;
-            let mut curved = [0.0; CHAIN_HINGES_MAX];
-            let mut lines = self.lines.iter_mut();
-            for beside in task.used_goals().chunk_by(Goal::is_beside) {
-                // What goals of one point have in common, once one of them presses.
-                let mut bends = None;
-                for (goal, line) in beside.iter().zip(&mut lines) {
-                    if !line.presses {
-                        continue;
-                    }
-                    let bends = bends.get_or_insert_with(|| goal.bends(&spot.placed, &turned));
-                    let short_m = bends.short_m(goal.normal);
-                    most = math::max(short_m.abs(), most);
-                    for (sum, c) in curved.iter_mut().zip(bends.curvature(goal.normal)) {
-                        *sum += part * line.force as f32 * c;
-                    }
-                    if leads && line.softness == 0.0 {
-                        let gain = product(&line.row, &widened(&turned));
-                        let share = lead((f64::from(short_m) / gain) as f32);
-                        line.least += gain * f64::from((share - 1.0) / part);
-                    }
-                }
-            }
-            if most <= BEND_MIN * task.tolerance_m {
-                return;
-            }
-            self.stiffen(&curved, &spot.q);
+            is_newton &= self.curve(&straight, &curvature, restores);
             self.solve(task);
+            if !self.lines.iter().any(|line| line.presses) {
+                break;
+            }
         }
+        is_newton
     }
 
-    /// Adds a spring to each joint that holds it where it is.
-    fn stiffen(&mut self, curved: &Row, q: &Angles) {
-        for (joint, q) in q.iter().enumerate() {
-            let spring = math::clamp(curved[joint], 0.0, SPRING_MAX);
-            let spring = f64::from(spring);
-            self.give[joint] = 1.0 / (1.0 + spring);
-            let pulled = self.tracked[joint] + spring * f64::from(*q);
-            self.reference[joint] = pulled * self.give[joint];
+    /// How goals bend on the way found. With `leads`, hard ones are asked for as much more as they do.
+    fn bent(&mut self, task: &Task, posture: &Posture, levers: &[Levers], leads: bool) -> Bent<W> {
+        let (turned, part) = self.turned();
+        let mut bent = Bent {
+            curvature: Metric::flat(),
+            short_m: 0.0,
+            leaps: false,
+        };
+        let is_far = part * self.widest() > LEAP_MIN;
+        let mut lines = self.lines.iter_mut();
+        let points = task.used_goals().chunk_by(Goal::is_beside);
+        for (beside, levers) in points.zip(levers) {
+            let mut aside = None;
+            let mut pull = Vec3::ZERO;
+            for goal in beside {
+                if goal.is_spring() {
+                    bent.leaps |= is_far;
+                    if !is_far {
+                        let at = levers.at + levers.along(&turned);
+                        pull +=
+                            goal.normal * ((goal.normal.dot(at) - goal.height_m) / goal.softness);
+                    }
+                    continue;
+                }
+                let Some(line) = lines.next().filter(|line| line.presses) else {
+                    continue;
+                };
+                let aside = aside.get_or_insert_with(|| levers.aside(posture, &turned));
+                let short_m = -goal.normal.dot(*aside);
+                bent.short_m = math::max(short_m.abs(), bent.short_m);
+                pull -= goal.normal * (part * line.force as f32);
+                if leads && line.softness == 0.0 {
+                    let gain = product(&line.row, &widened(&turned));
+                    let share = lead((f64::from(short_m) / gain) as f32);
+                    line.need += gain * f64::from((share - 1.0) / part);
+                }
+            }
+            if pull != Vec3::ZERO {
+                bent.curvature.curve(levers, posture, pull);
+            }
         }
+        bent
+    }
+
+    /// Takes curvature into the metric, `along` each joint alone or with all that joints do to each other;
+    /// whether all of it was taken.
+    fn curve(&mut self, straight: &Metric<W>, bent: &Metric<W>, along: bool) -> bool {
+        if !along {
+            let whole = straight.with(bent, self.joints);
+            let factor = Factor::new(&whole, &[true; W], self.joints);
+            if factor.least_pivot() >= PIVOT_MIN {
+                self.factor = factor.among(&whole, self.factor.free());
+                self.metric = whole;
+                return true;
+            }
+        }
+        self.metric = straight.clone();
+        self.metric.hold(bent, along, self.joints);
+        self.factor = Factor::new(&self.metric, self.factor.free(), self.joints);
+        false
+    }
+
+    fn widest(&self) -> f32 {
+        let turns = self.turns.iter().map(|turn| turn.abs());
+        turns.fold(0.0, math::max_f64) as f32
+    }
+
+    /// The turns found, no longer than a step may be, and which part of them that is.
+    fn turned(&self) -> (Row, f32) {
+        let mut turned = [0.0; CHAIN_HINGES_MAX];
+        for (slot, &turn) in turned.iter_mut().zip(&self.turns) {
+            *slot = turn as f32;
+        }
+        let widest = self.widest();
+        let part = if widest > TURN_MAX {
+            TURN_MAX / widest
+        } else {
+            1.0
+        };
+        (turned.map(|turn| turn * part), part)
     }
 
     /// The angles found.
     pub(super) fn angles(&self) -> Angles {
-        self.y[..self.joints].iter().map(|&y| y as f32).collect()
+        let found = self.q.iter().zip(&self.turns);
+        found
+            .take(self.joints)
+            .map(|(q, turn)| (q + turn) as f32)
+            .collect()
     }
 
     /// What missing a metre of the hard goals is to cost, in rad2.
@@ -226,7 +336,7 @@ impl<const W: usize> Program<W> {
     fn choose(&mut self) -> bool {
         let mut changed = false;
         for line in &mut self.lines {
-            let short = line.least - product(&line.row, &self.y);
+            let short = line.need - product(&line.row, &self.turns);
             let pressed = (line.stiffness - line.softness) * line.force + short;
             let presses = line.is_exact || pressed > 0.0;
             changed |= presses != line.presses;
@@ -236,23 +346,19 @@ impl<const W: usize> Program<W> {
     }
 
     pub(super) fn solve(&mut self, task: &Task) {
-        let mut free = [0.0; W];
-        free[..self.joints].fill(1.0);
         for _ in 0..PASSES_MAX {
-            self.balance(&free);
-            let mut changed = false;
+            self.balance();
             let pulled = self.pulled();
+            let mut free = *self.factor.free();
             for (index, hinge) in task.hinges.iter().enumerate().take(self.joints) {
-                self.y[index] = kept(hinge, pulled[index]);
-                let is_free = if self.y[index] == pulled[index] {
-                    1.0
-                } else {
-                    0.0
-                };
-                changed |= is_free != free[index];
-                free[index] = is_free;
+                self.turns[index] = kept(hinge, self.q[index], pulled[index]);
+                free[index] = self.turns[index] == pulled[index];
             }
-            changed |= self.choose();
+            let mut changed = self.choose();
+            if free != *self.factor.free() {
+                changed = true;
+                self.factor = Factor::new(&self.metric, &free, self.joints);
+            }
             if !changed {
                 break;
             }
@@ -261,52 +367,48 @@ impl<const W: usize> Program<W> {
 
     /// Where the forces pull joints that have no limits.
     fn pulled(&self) -> Wide<W> {
-        let mut pulled = self.reference;
-        for line in self.lines.iter().filter(|line| line.presses) {
-            for j in 0..W {
-                pulled[j] += line.row[j] * self.give[j] * line.force;
+        let mut pulled = self.turns;
+        let free = self.factor.free();
+        if free[..self.joints].iter().all(|&is_free| is_free) {
+            return pulled;
+        }
+        for joint in (0..self.joints).filter(|&joint| !free[joint]) {
+            let mut push = -self.slope[joint] - self.metric.row_times(joint, &self.turns);
+            for line in self.lines.iter().filter(|line| line.presses) {
+                push += line.row[joint] * line.force;
             }
+            pulled[joint] += push / self.metric.diagonal(joint);
         }
         pulled
     }
 
-    /// The forces with which the pressing rows hold, the joints that are not free staying where they
-    /// are.
-    fn balance(&mut self, free: &Wide<W>) {
+    /// The forces with which the pressing rows hold and what they turn, the joints that are not free staying
+    /// where they are.
+    fn balance(&mut self) {
         let pressing: Rows<usize> = (0..self.lines.len())
             .filter(|&index| self.lines[index].presses)
             .collect();
         // Few rows press as a rule: no more of the matrix is cleared than is used.
         match pressing.len() {
-            0..=4 => self.balance_few::<4>(free, &pressing),
-            5..=8 => self.balance_few::<8>(free, &pressing),
-            9..=12 => self.balance_few::<12>(free, &pressing),
-            _ => self.balance_few::<ROWS_MAX>(free, &pressing),
+            0..=4 => self.balance_few::<4>(&pressing),
+            5..=8 => self.balance_few::<8>(&pressing),
+            9..=12 => self.balance_few::<12>(&pressing),
+            _ => self.balance_few::<ROWS_MAX>(&pressing),
         }
     }
 
     /// The same for at most `N` pressing rows.
-    fn balance_few<const N: usize>(&mut self, free: &Wide<W>, pressing: &[usize]) {
-        let mut held = self.y;
-        let mut give = self.give;
-        for j in 0..W {
-            if free[j] != 0.0 {
-                held[j] = self.reference[j];
-            } else {
-                give[j] = 0.0;
-            }
-        }
+    fn balance_few<const N: usize>(&mut self, pressing: &[usize]) {
+        self.turns = self.factor.downhill(&self.metric, &self.slope, &self.turns);
+        let mut moved = [[0.0_f64; W]; N];
         let mut matrix = [[0.0_f64; N]; N];
         let mut right = [0.0_f64; N];
         for (i, &index) in pressing.iter().enumerate() {
             let line = &self.lines[index];
-            right[i] = line.least - product(&line.row, &held);
-            let mut moved = line.row;
-            for j in 0..W {
-                moved[j] *= give[j];
-            }
+            right[i] = line.need - product(&line.row, &self.turns);
+            moved[i] = self.factor.solved(&line.row);
             for (j, &other) in pressing.iter().enumerate().take(i + 1) {
-                matrix[i][j] = product(&moved, &self.lines[other].row);
+                matrix[i][j] = product(&moved[i], &self.lines[other].row);
                 matrix[j][i] = matrix[i][j];
             }
             matrix[i][i] += line.added;
@@ -315,8 +417,11 @@ impl<const W: usize> Program<W> {
         for line in &mut self.lines {
             line.force = 0.0;
         }
-        for (&index, &force) in pressing.iter().zip(&right) {
-            self.lines[index].force = force;
+        for (i, &index) in pressing.iter().enumerate() {
+            self.lines[index].force = right[i];
+            for j in 0..W {
+                self.turns[j] += moved[i][j] * right[i];
+            }
         }
     }
 }
@@ -325,10 +430,10 @@ impl<const W: usize> Program<W> {
 const CONE_DAMPING: f64 = 1e-6;
 
 impl<const W: usize> Line<W> {
-    fn new(row: Wide<W>, least: f64, is_exact: bool, softness: f64) -> Self {
+    fn new(row: Wide<W>, need: f64, is_exact: bool, softness: f64) -> Self {
         Self {
             row,
-            least,
+            need,
             is_exact,
             softness,
             stiffness: product(&row, &row) + softness,
@@ -339,14 +444,6 @@ impl<const W: usize> Line<W> {
     }
 }
 
-fn difference(a: &[f32], b: &[f32]) -> Row {
-    let mut row = [0.0; CHAIN_HINGES_MAX];
-    for (slot, (a, b)) in row.iter_mut().zip(a.iter().zip(b)) {
-        *slot = a - b;
-    }
-    row
-}
-
 fn padded<const W: usize>(angles: &[f32]) -> Wide<W> {
     let mut row = [0.0; W];
     for (slot, &angle) in row.iter_mut().zip(angles) {
@@ -355,13 +452,16 @@ fn padded<const W: usize>(angles: &[f32]) -> Wide<W> {
     row
 }
 
-/// [`Hinge::kept`] in f64.
-fn kept(hinge: &Hinge, angle: f64) -> f64 {
-    let (low, high) = (f64::from(hinge.low_rad), f64::from(hinge.high_rad));
-    if angle > high {
+/// [`Hinge::kept`] in f64, for a turn from an angle.
+fn kept(hinge: &Hinge, from: f64, turn: f64) -> f64 {
+    let (low, high) = (
+        f64::from(hinge.low_rad) - from,
+        f64::from(hinge.high_rad) - from,
+    );
+    if turn > high {
         high
-    } else if angle >= low {
-        angle
+    } else if turn >= low {
+        turn
     } else {
         low
     }
@@ -369,18 +469,6 @@ fn kept(hinge: &Hinge, angle: f64) -> f64 {
 
 fn widened<const W: usize>(row: &Row) -> Wide<W> {
     core::array::from_fn(|joint| f64::from(row[joint]))
-}
-
-/// Eight sums side by side, then one fixed tree.
-fn product<const W: usize>(a: &Wide<W>, b: &Wide<W>) -> f64 {
-    let mut s = [0.0; NARROW];
-    for k in 0..NARROW {
-        s[k] = a[k] * b[k];
-    }
-    for k in NARROW..W {
-        s[k - NARROW] += a[k] * b[k];
-    }
-    ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]))
 }
 
 /// Solves a symmetric positive definite system in place (Cholesky without roots). Rows are worked on as a
