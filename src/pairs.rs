@@ -15,7 +15,7 @@ use crate::state::bodies::BodyKind;
 use crate::state::chains::has_chains;
 use crate::state::contacts::{PairsFull, push};
 use crate::state::pieces::{Bounds, PiecesOf};
-use crate::state::ways::{BodyTrack, piece_motion, swept_bounds};
+use crate::state::ways::{BodyTrack, piece_motion, rests, swept_bounds};
 
 /// A box around everything a driven body can touch on a way, from its reach about its root alone.
 fn whole_bounds(state: &State, body: usize, track: &BodyTrack) -> Bounds {
@@ -98,6 +98,9 @@ pub(crate) fn collect_driven(
 /// A box around a piece wherever its root is on the way, and however far it has turned and moved within the
 /// body there: contact may hold back the one and not the other.
 fn any_way(state: &State, piece: usize, track: &BodyTrack) -> Bounds {
+    if rests_where_shown(state, piece, track) {
+        return state.pieces.bounds[piece];
+    }
     let turned = |local_from: f32, local_to: f32| {
         let turning = BodyTrack {
             root: track.root.turning(),
@@ -120,6 +123,15 @@ fn any_way(state: &State, piece: usize, track: &BodyTrack) -> Bounds {
         low: turned_box.low + math::min_each(from, to),
         high: turned_box.high + math::max_each(from, to),
     }
+}
+
+/// Whether a piece stays where it was at the end of the last frame: its box is known.
+fn rests_where_shown(state: &State, piece: usize, track: &BodyTrack) -> bool {
+    let body = state.pieces.body[piece] as usize;
+    track.leg == 0
+        && track.local_from == 0.0
+        && track.root.from == state.bodies.pose[body]
+        && rests(state, piece, track)
 }
 
 fn pass(state: &State, piece: usize, other: usize) -> bool {
@@ -166,9 +178,12 @@ fn is_fixed_near(state: &State, piece: usize, bounds: &Bounds) -> bool {
 pub(crate) fn cover(state: &State, body: usize, track: &BodyTrack) -> bool {
     PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]).all(|piece| {
         let known = state.pairs.swept[piece];
-        known == Bounds::ALL || {
-            let motion = piece_motion(state, piece, track);
-            known.contains(&swept_bounds(state, piece, &motion))
-        }
+        known == Bounds::ALL
+            || if rests_where_shown(state, piece, track) {
+                known.contains(&state.pieces.bounds[piece])
+            } else {
+                let motion = piece_motion(state, piece, track);
+                known.contains(&swept_bounds(state, piece, &motion))
+            }
     }) && own::cover(state, body, track)
 }

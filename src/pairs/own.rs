@@ -4,8 +4,8 @@ use crate::limits::PAIR_MARGIN_M;
 use crate::state::State;
 use crate::state::chains::{ChainOptions, chains_of};
 use crate::state::contacts::{PairsFull, push};
-use crate::state::pieces::PiecesOf;
-use crate::state::ways::{BodyTrack, piece_motion, swept_bounds};
+use crate::state::pieces::{Bounds, PiecesOf};
+use crate::state::ways::{BodyTrack, piece_motion, rests, swept_bounds};
 
 /// Adds the pairs of a body's own pieces that may touch. They are looked for in the root's frame, in
 /// which the root's motion does not show.
@@ -22,8 +22,13 @@ pub(super) fn collect(
     let mut first = state.bodies.first_piece[body];
     while let Some(piece) = first.checked_sub(1) {
         let piece = piece as usize;
-        let motion = piece_motion(state, piece, &in_root);
-        let bounds = swept_bounds(state, piece, &motion).grown(PAIR_MARGIN_M);
+        let bounds = if rests(state, piece, &in_root) {
+            let shape = &state.pieces.shape[piece];
+            Bounds::of(shape, &piece_motion(state, piece, &in_root).at(0.0))
+        } else {
+            swept_bounds(state, piece, &piece_motion(state, piece, &in_root))
+        };
+        let bounds = bounds.grown(PAIR_MARGIN_M);
         state.ways.swept[piece] = bounds;
         let mut second = state.bodies.first_piece[body];
         while second != first {
@@ -46,8 +51,11 @@ pub(super) fn cover(state: &State, body: usize, track: &BodyTrack) -> bool {
     }
     let in_root = track.in_root();
     PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]).all(|piece| {
-        let motion = piece_motion(state, piece, &in_root);
-        state.ways.swept[piece].contains(&swept_bounds(state, piece, &motion))
+        // Where the frame begins, every box that was looked at begins too.
+        (track.leg == 0 && rests(state, piece, &in_root)) || {
+            let motion = piece_motion(state, piece, &in_root);
+            state.ways.swept[piece].contains(&swept_bounds(state, piece, &motion))
+        }
     })
 }
 

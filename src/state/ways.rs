@@ -270,6 +270,29 @@ pub(crate) fn piece_motion<'a>(state: &'a State, piece: usize, track: &BodyTrack
     }
 }
 
+/// Whether a piece stays where it is on a way. Cost: a comparison for each hinge from its link to the root.
+pub(crate) fn rests(state: &State, piece: usize, track: &BodyTrack) -> bool {
+    let pieces = &state.pieces;
+    let local_rests =
+        track.local_from == track.local_to || pieces.local[piece] == pieces.local_target[piece];
+    track.root.from == track.root.to
+        && local_rests
+        && link_rests(state, pieces.link[piece], track.leg)
+}
+
+fn link_rests(state: &State, link: u32, leg: usize) -> bool {
+    let slot = slot_range(state, leg).start;
+    let mut next = link;
+    while let Some(joint) = next.checked_sub(1) {
+        let at = slot + joint as usize;
+        if state.ways.from[at] != state.ways.to[at] {
+            return false;
+        }
+        next = state.joints.parent[joint as usize];
+    }
+    true
+}
+
 fn link_path<'a>(state: &'a State, joint: usize, leg: usize) -> LinkPath<'a> {
     let slot = slot_range(state, leg);
     let at = slot.start + joint;
