@@ -290,3 +290,29 @@ fn straight_arms_and_links_without_length_stay_finite() {
         }
     }
 }
+
+#[test]
+fn a_place_out_of_reach_is_followed_in_a_step_a_frame() {
+    let hinges = arm();
+    let wanted = [-0.6, 0.3, 0.2, -1.0, 0.1, 0.0, 0.0];
+    let mut angles = wanted;
+    let (mut steps, frames) = (0, 200);
+    for frame in 0..frames {
+        let aside = 0.002 * frame as f32;
+        let place = Vec3::new(0.1 + aside, -0.36, 0.85);
+        let goals = Goal::place(6, TIP, place).map(|goal| Goal {
+            softness: 1e-5,
+            ..goal
+        });
+        let first = if frame == 0 { 64 } else { 4 };
+        let found = least_deviation(&task(&hinges, &wanted, &goals), &mut angles, first);
+        steps += if frame == 0 { 0 } else { found.steps };
+        assert!(within(&hinges, &angles), "{frame}: {angles:?}");
+        // The stretched arm is 640 mm long, and on the straight line to the place.
+        let nearest = place.normalize() * 0.64;
+        let placed = posture(&hinges, &Pose::IDENTITY, &angles);
+        let off_m = (placed[6].link.point(TIP) - nearest).length();
+        assert!(off_m < 5e-4, "{frame}: {off_m} m off");
+    }
+    assert!(steps <= frames * 3 / 2, "{steps} steps in {frames} frames");
+}

@@ -138,33 +138,29 @@ fn descend(
         used += 1;
         let was_met = spot.is_met;
         let restores = used > 1 && !was_met;
-        let next = if spot.q.len() <= NARROW {
-            step::<NARROW>(task, spot, restores, damping)
-        } else {
-            step::<CHAIN_HINGES_MAX>(task, spot, restores, damping)
-        };
-        let Some(Step {
+        let Step {
             spot: next,
+            turned,
             is_newton,
-        }) = next
-        else {
-            if was_met || damping >= DAMPING_MAX {
-                break;
+        } = match step(task, spot, restores, damping) {
+            Ok(next) => next,
+            Err(turned) => {
+                let is_far = spot.is_soft && turned > TURN_SURE;
+                if (was_met && !is_far) || damping >= DAMPING_MAX {
+                    break;
+                }
+                damping = math::max(damping * DAMPING_FACTOR, DAMPING_RAISED);
+                continue;
             }
-            damping = math::max(damping * DAMPING_FACTOR, DAMPING_RAISED);
-            continue;
         };
-        let turned = most_turned(&spot.q, &next.q);
         if was_met && !next.is_met {
             cheapest = Some(core::mem::replace(spot, next));
         } else {
             *spot = next;
         }
         damping = math::max(damping / DAMPING_FACTOR, least_damping);
-        if spot.is_met && !restores && is_newton && turned <= TURN_SURE && !asks_exactly(task) {
-            break;
-        }
-        if spot.is_met && was_met && turned <= TURN_MIN {
+        let is_sure = is_newton && turned <= TURN_SURE && !asks_exactly(task);
+        if spot.is_met && (is_sure || (was_met && turned <= TURN_MIN)) {
             break;
         }
         since += 1;
@@ -175,15 +171,12 @@ fn descend(
         if stalls && spot.misses_exactly(task) {
             break;
         }
-        if cheapest
-            .as_ref()
-            .is_some_and(|before| spot.is_met && spot.cost >= before.cost)
-        {
+        let is_dearer = |before: &Spot| spot.is_met && spot.cost >= before.cost;
+        if cheapest.as_ref().is_some_and(is_dearer) {
             break;
         }
     }
-    let is_worse = |before: &Spot| !spot.is_met || before.cost <= spot.cost;
-    if let Some(before) = cheapest.filter(is_worse) {
+    if let Some(before) = cheapest.filter(|before| !spot.is_met || before.cost <= spot.cost) {
         *spot = before;
     }
     used
@@ -192,12 +185,28 @@ fn descend(
 /// What one step comes to.
 struct Step {
     spot: Spot,
+    /// The most that a joint turned, in radians.
+    turned: f32,
     /// Whether it is a whole step of Newton's method.
     is_newton: bool,
 }
 
-/// One step by a program for at most `W` joints.
-fn step<const W: usize>(task: &Task, spot: &Spot, restores: bool, damping: f32) -> Option<Step> {
+/// One step; where it is not worth going, the most that it would turn a joint, in radians.
+fn step(task: &Task, spot: &Spot, restores: bool, damping: f32) -> Result<Step, f32> {
+    if spot.q.len() <= NARROW {
+        step_of::<NARROW>(task, spot, restores, damping)
+    } else {
+        step_of::<CHAIN_HINGES_MAX>(task, spot, restores, damping)
+    }
+}
+
+/// The same by a program for at most `W` joints.
+fn step_of<const W: usize>(
+    task: &Task,
+    spot: &Spot,
+    restores: bool,
+    damping: f32,
+) -> Result<Step, f32> {
     let points = task.used_goals().chunk_by(Goal::is_beside);
     let levers: ArrayVec<Levers, CHAIN_GOALS_MAX> = points
         .map(|beside| beside[0].levers(&spot.placed))
@@ -205,9 +214,15 @@ fn step<const W: usize>(task: &Task, spot: &Spot, restores: bool, damping: f32) 
     let mut program = Program::<W>::new(task, spot, &levers, restores, damping);
     program.solve(task);
     let is_newton = program.bend(task, &spot.placed, &levers, restores);
-    let mut step = guarded(task, spot, &program.angles(), program.penalty())?;
-    step.is_newton &= is_newton;
-    Some(step)
+    let angles = program.angles();
+    let Some((next, is_whole)) = guarded(task, spot, &angles, program.penalty()) else {
+        return Err(most_turned(&spot.q, &angles));
+    };
+    Ok(Step {
+        turned: most_turned(&spot.q, &next.q),
+        spot: next,
+        is_newton: is_newton && is_whole && !restores,
+    })
 }
 
 /// Whether anything has to be met to both sides: what is left of that no later frame mends.
@@ -221,8 +236,9 @@ fn most_turned(from: &Angles, to: &[f32]) -> f32 {
     turned.fold(0.0, math::max)
 }
 
-/// The longest part of the way to a program's angles that is worth going, as a spot.
-fn guarded(task: &Task, spot: &Spot, next: &Angles, penalty: f32) -> Option<Step> {
+/// The longest part of the way to a program's angles that is worth going, as a spot; and whether it is all of
+/// it.
+fn guarded(task: &Task, spot: &Spot, next: &Angles, penalty: f32) -> Option<(Spot, bool)> {
     let most = most_turned(&spot.q, next);
     let mut share = if most > TURN_MAX {
         TURN_MAX / most
@@ -248,18 +264,13 @@ fn guarded(task: &Task, spot: &Spot, next: &Angles, penalty: f32) -> Option<Step
             let lags = !trial.is_met && trial.shortfall > LAG * spot.shortfall;
             let alone = if lags { turned_alone(task, spot) } else { None };
             let alone = alone.and_then(|q| worth(task, &trial, q, penalty));
-            return Some(Step {
-                is_newton: share == 1.0 && alone.is_none(),
-                spot: alone.unwrap_or(trial),
-            });
+            let is_whole = share == 1.0 && alone.is_none();
+            return Some((alone.unwrap_or(trial), is_whole));
         }
         share *= 0.5;
     }
-    let spot = worth(task, spot, turned_alone(task, spot)?, penalty)?;
-    Some(Step {
-        spot,
-        is_newton: false,
-    })
+    let alone = worth(task, spot, turned_alone(task, spot)?, penalty)?;
+    Some((alone, false))
 }
 
 /// The spot at some angles taken into the limits, if it is worth going there.

@@ -84,6 +84,17 @@ impl<const W: usize> Metric<W> {
         }
     }
 
+    /// Adds a part of its largest entry to the diagonal, where it has more than the change of the angles.
+    pub(super) fn damp(&mut self, part: f64, joints: usize) {
+        if self.is_unit {
+            return;
+        }
+        let added = part * self.largest();
+        for joint in 0..joints {
+            self.rows[joint][joint] += added;
+        }
+    }
+
     /// The same with curvature.
     pub(super) fn with(&self, bent: &Self, joints: usize) -> Self {
         let mut whole = self.clone();

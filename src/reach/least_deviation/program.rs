@@ -14,9 +14,9 @@
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
-use super::TURN_MAX;
 use super::metric::{Factor, Metric, Wide, product};
 use super::spot::Spot;
+use super::{DAMPING_RAISED, TURN_MAX};
 use crate::geometry::chain::{Hinge, Posture};
 use crate::limits::{CHAIN_GOALS_MAX, CHAIN_HINGES_MAX};
 use crate::math;
@@ -137,6 +137,9 @@ impl<const W: usize> Program<W> {
             turns: [0.0; W],
         };
         let largest = new.add_goals(task, levers);
+        if damping >= DAMPING_RAISED {
+            new.metric.damp(f64::from(damping), joints);
+        }
         for line in &mut new.lines {
             line.added =
                 line.softness + f64::from(damping) * largest + f64::from(f32::MIN_POSITIVE);
