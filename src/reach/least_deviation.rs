@@ -213,7 +213,9 @@ fn step_of<const W: usize>(
         .collect();
     let mut program = Program::<W>::new(task, spot, &levers, restores, damping);
     program.solve(task);
-    let is_newton = program.bend(task, &spot.placed, &levers, restores);
+    // What goals that have to be met exactly press with far from them is not what they press with there.
+    let along = restores || asks_exactly(task);
+    let is_newton = program.bend(task, &spot.placed, &levers, along);
     let angles = program.angles();
     let Some((next, is_whole)) = guarded(task, spot, &angles, program.penalty()) else {
         return Err(most_turned(&spot.q, &angles));

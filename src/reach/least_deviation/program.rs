@@ -6,7 +6,9 @@
 //! and of the slope. Forces f give d = inverse of M times (rows^T f - slope), and the dual matrix is rows
 //! times the inverse of M times rows^T, with softness on the diagonal. Which rows press and which joints
 //! are at their limits is found by the primal-dual active set method (Hintermueller, Ito and Kunisch 2002:
-//! for these programs a Newton method), at most [`PASSES_MAX`] times a small factorisation.
+//! for these programs a Newton method). It goes round in circles where rows are nearly parallel, as those of
+//! two points along a straight arm: after a few passes it begins again with none, and the worst row or joint
+//! alone is changed. That is at most [`PASSES_MAX`] times a small factorisation.
 //!
 //! Heights bend: a shoulder's by as much as the arm is long. Where that matters the program is solved
 //! twice more, see [`Program::bend`].
@@ -23,7 +25,14 @@ use crate::math;
 use crate::reach::goal::{Angles, CHAIN_BALLS_MAX, Goal, Levers, Row, Task};
 
 /// Most factorisations in one solution of a step's program, of which there are at most three.
-pub const PASSES_MAX: u32 = 7;
+pub const PASSES_MAX: u32 = 10;
+
+/// How many of them change all rows and joints that are wrong: what does not go round in circles is mostly
+/// found by then.
+const BLOCK_PASSES: u32 = 4;
+
+/// A row or joint that is wrong by no more than this is right, in radians.
+const WRONG_MIN: f64 = 1e-9;
 
 /// Most rows: goals, and two edges of each ball's cone.
 const ROWS_MAX: usize = CHAIN_GOALS_MAX + 2 * CHAIN_BALLS_MAX;
@@ -203,14 +212,14 @@ impl<const W: usize> Program<W> {
     }
 
     /// Solves again with second derivatives, where they matter: with those of the Lagrangian, and then as
-    /// much more is asked for as the goals bend away from their tangents. Whether the turns found are those
-    /// of a Newton step.
+    /// much more is asked for as the goals bend away from their tangents. With `along`, those of each joint
+    /// alone are taken. Whether the turns found are those of a Newton step.
     pub(super) fn bend(
         &mut self,
         task: &Task,
         posture: &Posture,
         levers: &[Levers],
-        restores: bool,
+        along: bool,
     ) -> bool {
         let mut is_newton = true;
         let straight = self.metric.clone();
@@ -225,7 +234,7 @@ impl<const W: usize> Program<W> {
             if is_straight && (leads || curvature.largest() <= CURVED_MIN) {
                 return is_newton;
             }
-            is_newton &= self.curve(&straight, &curvature, restores);
+            is_newton &= self.curve(&straight, &curvature, along);
             self.solve(task);
             if !self.lines.iter().any(|line| line.presses) {
                 break;
@@ -349,23 +358,83 @@ impl<const W: usize> Program<W> {
     }
 
     pub(super) fn solve(&mut self, task: &Task) {
-        for _ in 0..PASSES_MAX {
+        for _ in 0..BLOCK_PASSES {
             self.balance();
-            let pulled = self.pulled();
-            let mut free = *self.factor.free();
-            for (index, hinge) in task.hinges.iter().enumerate().take(self.joints) {
-                self.turns[index] = kept(hinge, self.q[index], pulled[index]);
-                free[index] = self.turns[index] == pulled[index];
-            }
-            let mut changed = self.choose();
-            if free != *self.factor.free() {
-                changed = true;
-                self.factor = Factor::new(&self.metric, &free, self.joints);
-            }
-            if !changed {
-                break;
+            if !self.change_all(task) {
+                return;
             }
         }
+        self.release();
+        for _ in BLOCK_PASSES..PASSES_MAX {
+            self.balance();
+            if !self.change_worst(task) {
+                return;
+            }
+        }
+        for (index, hinge) in task.hinges.iter().enumerate().take(self.joints) {
+            self.turns[index] = kept(hinge, self.q[index], self.turns[index]);
+        }
+    }
+
+    /// Changes all rows and joints that are wrong; whether there were any.
+    fn change_all(&mut self, task: &Task) -> bool {
+        let pulled = self.pulled();
+        let mut free = *self.factor.free();
+        for (index, hinge) in task.hinges.iter().enumerate().take(self.joints) {
+            self.turns[index] = kept(hinge, self.q[index], pulled[index]);
+            free[index] = self.turns[index] == pulled[index];
+        }
+        let mut changed = self.choose();
+        if free != *self.factor.free() {
+            changed = true;
+            self.factor = Factor::new(&self.metric, &free, self.joints);
+        }
+        changed
+    }
+
+    /// Lets go of all joints, and of all rows but the exact ones.
+    fn release(&mut self) {
+        for line in &mut self.lines {
+            line.presses = line.is_exact;
+        }
+        self.factor = Factor::new(&self.metric, &[true; W], self.joints);
+    }
+
+    /// Changes the row or joint that is wrong by most; whether any is.
+    fn change_worst(&mut self, task: &Task) -> bool {
+        let pulled = self.pulled();
+        let mut free = *self.factor.free();
+        let (mut most, mut joint) = (WRONG_MIN, None);
+        for (index, hinge) in task.hinges.iter().enumerate().take(self.joints) {
+            let to = kept(hinge, self.q[index], pulled[index]);
+            let wrong = if free[index] {
+                (pulled[index] - to).abs()
+            } else if to == pulled[index] {
+                (to - self.turns[index]).abs()
+            } else {
+                0.0
+            };
+            if wrong > most {
+                (most, joint) = (wrong, Some((index, to)));
+            }
+        }
+        let mut row = None;
+        for line in &mut self.lines {
+            let wrong = line.wrong(&self.turns);
+            if wrong > most {
+                (most, row) = (wrong, Some(line));
+            }
+        }
+        if let Some(line) = row {
+            line.presses = !line.presses;
+        } else if let Some((index, to)) = joint {
+            self.turns[index] = to;
+            free[index] = !free[index];
+            self.factor = Factor::new(&self.metric, &free, self.joints);
+        } else {
+            return false;
+        }
+        true
     }
 
     /// Where the forces pull joints that have no limits.
@@ -443,6 +512,19 @@ impl<const W: usize> Line<W> {
             added: 0.0,
             force: 0.0,
             presses: is_exact,
+        }
+    }
+
+    /// By how much it pulls instead of pressing, or falls short without pressing, in radians; nothing or
+    /// less where it is right.
+    fn wrong(&self, turns: &Wide<W>) -> f64 {
+        let size = math::sqrt_f64(math::max_f64(self.stiffness, f64::from(f32::MIN_POSITIVE)));
+        if self.is_exact {
+            0.0
+        } else if self.presses {
+            -self.force * size
+        } else {
+            (self.need - product(&self.row, turns)) / size
         }
     }
 }
