@@ -75,10 +75,9 @@ const STALL_STEPS: u32 = 4;
 /// Takes up to `steps` steps from `angles`, which stay within the limits.
 ///
 /// A step is one linearisation, at most three times [`PASSES_MAX`] factorisations of a matrix with as
-/// many rows as goals and two for each ball, as many and two more of one with as many rows as joints, and at
-/// most six forward kinematics; near the goals it is one
-/// solution and one forward kinematics. With all goals met at the tracked angles no step is taken. Fewer
-/// than six steps left mean no restart.
+/// many rows as goals and two for each ball, as many and eight more of one with as many rows as joints, and
+/// at most six forward kinematics; near the goals it is one solution and one forward kinematics. With all
+/// goals met at the tracked angles no step is taken. Fewer than six steps left mean no restart.
 pub fn least_deviation(task: &Task, angles: &mut [f32], steps: u32) -> Reached {
     least_deviation_paid(task, angles, steps, &mut || true)
 }
