@@ -316,3 +316,48 @@ fn a_place_out_of_reach_is_followed_in_a_step_a_frame() {
     }
     assert!(steps <= frames * 3 / 2, "{steps} steps in {frames} frames");
 }
+
+#[test]
+fn points_along_a_straight_arm_are_pushed_without_a_swing() {
+    // Their rows are nearly parallel, and the elbow is at its limit.
+    let mut random = Random(7);
+    let hinges = arm();
+    for case in 0..2000 {
+        let mut at = random_angles(&mut random, &hinges, 0.2);
+        for angle in &mut at[3..] {
+            *angle = 0.0;
+        }
+        let near = |angle: &f32| angle + random.between(-0.02, 0.02) as f32;
+        let mut wanted: Vec<f32> = at.iter().map(near).collect();
+        wanted[3] = 0.0;
+        let placed = posture(&hinges, &Pose::IDENTITY, &at);
+        let along = placed[6].link.point(TIP).normalize();
+        let mut across = || along.cross(random.unit().as_vec3()).normalize();
+        let (normal, other) = (across(), across());
+        let other = (normal + 0.3 * other).normalize();
+        let pushed = |link: usize, point: Vec3, normal: Vec3, by_m: f32| Goal {
+            link,
+            point,
+            normal,
+            height_m: normal.dot(placed[link].link.point(point)) + by_m,
+            is_exact: false,
+            softness: 0.0,
+        };
+        let goals = [
+            pushed(3, Vec3::NEG_Y * 0.007, normal, 2e-5),
+            pushed(6, TIP, other, -1e-6),
+            pushed(3, Vec3::NEG_Y * 0.24, normal, 2e-5),
+        ];
+        let task = Task {
+            tolerance_m: 2e-6,
+            ..task(&hinges, &wanted, &goals)
+        };
+        let mut angles = at.clone();
+        let found = least_deviation(&task, &mut angles, 16);
+        assert!(found.missed_m <= 2e-6, "{case}: {found:?}");
+        // The tracked angles are 0.02 rad away.
+        let turned = angles.iter().zip(&at).map(|(a, b)| (a - b).abs());
+        let turned = turned.fold(0.0, f32::max);
+        assert!(turned <= 0.06, "{case}: {turned} rad");
+    }
+}
