@@ -523,7 +523,7 @@ typedef struct palp_capacities {
      */
     uint32_t vertices;
     /**
-     * Pairs of pieces that may touch within one frame.
+     * Pairs of pieces that may touch within one frame, and gaps that driven bodies remember when one is cut.
      */
     uint32_t pairs;
     /**

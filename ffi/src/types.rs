@@ -97,7 +97,7 @@ pub struct palp_capacities {
     pub pieces: u32,
     /// Vertices of all pieces: a point has 1, a segment 2, a box 8.
     pub vertices: u32,
-    /// Pairs of pieces that may touch within one frame.
+    /// Pairs of pieces that may touch within one frame, and gaps that driven bodies remember when one is cut.
     pub pairs: u32,
     /// Contacts of loose bodies within one frame, and contacts that `palp_contacts` can give.
     pub contacts: u32,
