@@ -153,6 +153,9 @@ pub const LOOSE_BAND_M: f32 = 0.5 * OVERLAP_SLOP_M;
 /// none, and the next step makes up for it.
 pub const LOOSE_ACCURACY: f32 = 0.05;
 
+/// The same of a gap that is too wide for a contact, where forces are found.
+pub const FAR_ACCURACY: f32 = 0.5;
+
 /// Advancing loose bodies stops when a step would be shorter than this, in metres. A tenth of what
 /// lies between the rest gap and the floor: shorter steps cost queries and gain nothing that is seen.
 pub const LOOSE_STEP_MIN_M: f32 = 0.05 * OVERLAP_SLOP_M;

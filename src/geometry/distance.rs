@@ -59,7 +59,7 @@ pub fn distance(a: &Convex, b: &Convex, a_in_b: &Pose, seed: Vec3) -> Distance {
     };
     match Boxes::of(a, b, &a_in_b).and_then(|boxes| boxes.core_gap()) {
         Some(found) => of_boxes(&found),
-        None => approach(&pair, seed.as_dvec3(), 0.0).distance(&pair),
+        None => approach(&pair, seed.as_dvec3(), Accuracy::FULL).distance(&pair),
     }
 }
 
@@ -79,6 +79,28 @@ fn of_boxes(found: &CoreGap) -> Distance {
     }
 }
 
+/// How well a search is to know the distance of two pieces' surfaces.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Accuracy {
+    /// The share of the distance that may be given away ...
+    pub share: f64,
+    /// ... once they are known to be farther apart than this, in metres.
+    pub beyond_m: f64,
+}
+
+impl Accuracy {
+    /// To the last digit.
+    pub(crate) const FULL: Self = Self::share(0.0);
+
+    /// The same share of any distance.
+    pub(crate) const fn share(share: f64) -> Self {
+        Self {
+            share,
+            beyond_m: f64::NEG_INFINITY,
+        }
+    }
+}
+
 /// What a search for the point of the difference nearest the origin came to.
 pub(crate) struct Approach {
     /// Corners about that point; four with the origin inside when the cores overlap.
@@ -94,9 +116,9 @@ pub(crate) struct Approach {
 }
 
 /// Searches from the direction `seed` on (of any length, or zero), until the planes prove the distance
-/// up to the share `accuracy` of the gap between the surfaces.
+/// as well as `accuracy` asks.
 #[inline]
-pub(crate) fn approach(pair: &Difference, seed: DVec3, accuracy: f64) -> Approach {
+pub(crate) fn approach(pair: &Difference, seed: DVec3, accuracy: Accuracy) -> Approach {
     let normal = unit(seed).unwrap_or(DVec3::Y);
     let first = pair.lowest(normal);
     let start = Approach {
@@ -113,7 +135,7 @@ pub(crate) fn approach(pair: &Difference, seed: DVec3, accuracy: f64) -> Approac
 pub(crate) fn approach_again(
     pair: &Difference,
     warm: &WarmFeature,
-    accuracy: f64,
+    accuracy: Accuracy,
 ) -> Option<Approach> {
     let corners = warm.corners(pair)?;
     let mut simplex = Simplex::new(corners[0]);
@@ -133,7 +155,7 @@ pub(crate) fn approach_again(
 }
 
 #[inline]
-fn go_on(pair: &Difference, mut found: Approach, accuracy: f64) -> Approach {
+fn go_on(pair: &Difference, mut found: Approach, accuracy: Accuracy) -> Approach {
     let grain_m = pair.grain_m();
     let radii = f64::from(pair.a.radius) + f64::from(pair.b.radius);
     let mut last = f64::INFINITY;
@@ -148,15 +170,22 @@ fn go_on(pair: &Difference, mut found: Approach, accuracy: f64) -> Approach {
         }
         last = nearest.squared;
         found.simplex.keep(&nearest);
+        let length = math::sqrt_f64(nearest.squared);
+        let spare = accuracy.share * math::max_f64(length - radii, 0.0);
+        let proves = |lower_m: f64| {
+            let may_give = lower_m - radii > accuracy.beyond_m;
+            lower_m >= length - (if may_give { spare } else { 0.0 } + grain_m)
+        };
+        if accuracy.share > 0.0 && proves(found.lower_m) {
+            break;
+        }
         let corner = pair.lowest(nearest.direction);
         found.steps += 1;
-        let length = math::sqrt_f64(nearest.squared);
         if length <= grain_m {
             break;
         }
         found.take_planes(nearest.direction, corner.at);
-        let enough = length - (accuracy * math::max_f64(length - radii, 0.0) + grain_m);
-        if found.lower_m >= enough || found.simplex.holds(&corner) {
+        if proves(found.lower_m) || found.simplex.holds(&corner) {
             break;
         }
         found.simplex.push(corner);

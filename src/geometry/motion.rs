@@ -3,6 +3,7 @@
 //! Time runs from 0 to 1 over the stretch. A piece hangs on a root (a body's frame) by a local
 //! pose, and both move at once.
 
+use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 
 use super::linkage::{LinkPath, PathBounds};
@@ -41,7 +42,7 @@ impl Track {
             from: pose,
             to: pose,
             start: 0.0,
-            end: 1.0,
+            end: 0.0,
         }
     }
 
@@ -92,7 +93,7 @@ impl Track {
     /// With q the normalised interpolation and half-angle f between the ends, the angular speed is
     /// 2 sin f / |q|^2 <= 4 tan(f/2) = W, and its rate is at most W^3 / 4 (largest at an end).
     fn bounds(&self) -> TrackBounds {
-        if self.from == self.to {
+        if self.start == self.end || self.from == self.to {
             return TrackBounds {
                 linear: Vec3::ZERO,
                 angular: 0.0,
@@ -133,20 +134,45 @@ fn interpolate_rotation(from: Quat, to: Quat, share: f32) -> Quat {
     math::renormalised(from + (to - from) * share)
 }
 
+/// How fast a piece moves at the most, per unit of time: what its parting from others is judged by.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Course {
+    /// Linear velocity that the whole root shares.
+    pub linear: Vec3,
+    /// Largest speed of any point of the piece beyond `linear`.
+    pub turning: f32,
+    /// How far the way's middle is from the straight one, times -4: the root is `bow (t^2 - t)` beside it.
+    pub bow: Vec3,
+}
+
+impl Course {
+    /// Upper bound of the speed at which the gap to B along `normal`, from B into A, shrinks from `time` on.
+    #[must_use]
+    pub fn approach(&self, b: &Self, normal: Vec3, time: f32) -> f32 {
+        let linear = normal.dot(b.linear - self.linear);
+        let bow = normal.dot(b.bow - self.bow);
+        let bowed = math::max(bow, (2.0 * time - 1.0) * bow);
+        math::max(0.0, linear + self.turning + b.turning + bowed)
+    }
+
+    /// Upper bound of the way of any point of the piece over the whole time, in metres.
+    #[must_use]
+    pub fn way_m(&self) -> f32 {
+        math::length(self.linear) + self.turning + math::length(self.bow)
+    }
+}
+
 /// How a piece moves: by its root, with a link of its root's skeleton, and within that frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<'a> {
     root: Track,
     link: Option<LinkPath<'a>>,
     local: Track,
-    /// Linear velocity that the whole root shares.
-    pub linear: Vec3,
-    /// Largest speed of any point of the piece beyond `linear`.
-    pub turning: f32,
+    /// How fast any point of the piece is.
+    pub course: Course,
     /// Largest acceleration of any point of the piece, the bow's aside.
     pub acceleration: f32,
-    /// How far the way's middle is from the straight one, times -4: the root is `bow (t^2 - t)` beside it.
-    pub bow: Vec3,
 }
 
 impl<'a> Motion<'a> {
@@ -179,21 +205,24 @@ impl<'a> Motion<'a> {
             root,
             link,
             local,
-            linear: r.linear,
-            turning: r.angular * arm + local_speed,
+            course: Course {
+                linear: r.linear,
+                turning: r.angular * arm + local_speed,
+                bow: Vec3::ZERO,
+            },
             acceleration: r.curvature * arm
                 + 2.0 * r.angular * local_speed
                 + l.curvature * core_reach_m
                 + span * (path.acceleration * span + 2.0 * path.angular * own_speed),
-            bow: Vec3::ZERO,
         }
     }
 
     /// The same motion along a parabola: `bow (t^2 - t)` beside the straight way, half the constant
     /// acceleration over the whole time.
     #[must_use]
-    pub fn bowed(self, bow: Vec3) -> Self {
-        Self { bow, ..self }
+    pub fn bowed(mut self, bow: Vec3) -> Self {
+        self.course.bow = bow;
+        self
     }
 
     /// A piece that does not move.
@@ -203,10 +232,8 @@ impl<'a> Motion<'a> {
             root: Track::still(pose),
             link: None,
             local: Track::still(Pose::IDENTITY),
-            linear: Vec3::ZERO,
-            turning: 0.0,
+            course: Course::default(),
             acceleration: 0.0,
-            bow: Vec3::ZERO,
         }
     }
 
@@ -215,8 +242,9 @@ impl<'a> Motion<'a> {
     #[must_use]
     pub fn at(&self, time: f32) -> Pose {
         let mut root = self.root.at(time);
-        if self.bow != Vec3::ZERO {
-            root = root.moved(self.bow * (time * time - time));
+        let bow = self.course.bow;
+        if bow != Vec3::ZERO {
+            root = root.moved(bow * (time * time - time));
         }
         if let Some(link) = &self.link {
             root = root.then(&link.at(self.root.share(time)));
@@ -230,18 +258,21 @@ impl<'a> Motion<'a> {
     /// How far any point of the piece can be from the straight line between its ends, in metres.
     #[must_use]
     pub fn bulge_m(&self) -> f32 {
-        0.125 * self.acceleration + 0.25 * math::length(self.bow)
+        0.125 * self.acceleration + 0.25 * math::length(self.course.bow)
     }
 
     /// Upper bound of the way of any point of the piece over the whole time, in metres.
     #[must_use]
     pub fn way_m(&self) -> f32 {
-        math::length(self.linear) + self.turning + math::length(self.bow)
+        self.course.way_m()
     }
 }
 
 /// The farthest that the local frame's origin gets from the root's, in metres.
 fn arm_m(local: &Track) -> f32 {
     let from = math::length(local.from.translation());
+    if local.start == 0.0 && local.end == 0.0 {
+        return from;
+    }
     math::max(from, math::length(local.to.translation()))
 }

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::convex::Convex;
 use super::difference::Difference;
-use super::distance::{Approach, approach, approach_again};
+use super::distance::{Accuracy, Approach, approach, approach_again};
 use super::expansion::{self, Depth};
 use super::manifold::CoreGap;
 use super::penetration::boxes::Boxes;
@@ -56,7 +56,14 @@ pub fn separation_within(
     accuracy: f32,
 ) -> Separation {
     let start = Start::Seed(pose_b.quat().conjugate() * seed);
-    in_world(a, b, pose_a, pose_b, start, accuracy)
+    in_world(
+        a,
+        b,
+        pose_a,
+        pose_b,
+        start,
+        Accuracy::share(accuracy.into()),
+    )
 }
 
 /// As [`separation`], starting where the last question about these two pieces ended.
@@ -73,7 +80,7 @@ pub fn separation_again(
     pose_b: &Pose,
     warm: &mut WarmStart,
 ) -> Separation {
-    in_world(a, b, pose_a, pose_b, Start::Surface(warm), 0.0)
+    in_world(a, b, pose_a, pose_b, Start::Surface(warm), Accuracy::FULL)
 }
 
 /// As [`separation_within`], starting at the nearest feature of the last answer, and leaving the new
@@ -87,7 +94,15 @@ pub fn separation_from(
     feature: &mut WarmFeature,
     accuracy: f32,
 ) -> Separation {
-    in_world(a, b, pose_a, pose_b, Start::Feature(feature), accuracy)
+    let start = Start::Feature(feature);
+    in_world(
+        a,
+        b,
+        pose_a,
+        pose_b,
+        start,
+        Accuracy::share(accuracy.into()),
+    )
 }
 
 /// What a search starts from.
@@ -106,7 +121,7 @@ fn in_world(
     pose_a: &Pose,
     pose_b: &Pose,
     start: Start,
-    accuracy: f32,
+    accuracy: Accuracy,
 ) -> Separation {
     let to_world = pose_b.quat();
     let a_in_b = Relative::between(pose_a, pose_b);
@@ -123,24 +138,48 @@ fn in_world(
 /// toward A to start with, or zero.
 #[must_use]
 pub fn core_gap(a: &Convex, b: &Convex, a_in_b: &Pose, seed: Vec3) -> CoreGap {
-    gap_of_cores(a, b, &Relative::from(a_in_b), Start::Seed(seed), 0.0)
+    gap_of_cores(
+        a,
+        b,
+        &Relative::from(a_in_b),
+        Start::Seed(seed),
+        Accuracy::FULL,
+    )
 }
 
-/// As [`core_gap`], starting at the nearest feature of the last answer, and leaving the new one.
+/// As [`core_gap`], starting at the nearest feature of the last answer, and leaving the new one. Of cores whose
+/// surfaces are farther apart than `beyond_m`, the share `share` of the distance may be given away: the gap is then
+/// that of the planes along the answer's normal, and the witness points are none of the nearest.
 #[must_use]
-pub fn core_gap_from(a: &Convex, b: &Convex, a_in_b: &Pose, feature: &mut WarmFeature) -> CoreGap {
+pub fn core_gap_beyond(
+    a: &Convex,
+    b: &Convex,
+    a_in_b: &Pose,
+    feature: &mut WarmFeature,
+    beyond_m: f32,
+    share: f32,
+) -> CoreGap {
     let a_in_b = Relative::from(a_in_b);
-    gap_of_cores(a, b, &a_in_b, Start::Feature(feature), 0.0)
+    let accuracy = Accuracy {
+        share: share.into(),
+        beyond_m: beyond_m.into(),
+    };
+    gap_of_cores(a, b, &a_in_b, Start::Feature(feature), accuracy)
 }
 
-fn gap_of_cores(a: &Convex, b: &Convex, a_in_b: &Relative, start: Start, accuracy: f32) -> CoreGap {
+fn gap_of_cores(
+    a: &Convex,
+    b: &Convex,
+    a_in_b: &Relative,
+    start: Start,
+    accuracy: Accuracy,
+) -> CoreGap {
     if let Some(boxes) = Boxes::of(a, b, a_in_b)
         && let Some(found) = boxes.core_gap()
     {
         return found;
     }
     let pair = Difference { a, b, a_in_b };
-    let accuracy = f64::from(accuracy);
     let found = match start {
         Start::Seed(seed) => {
             let seed = if seed == Vec3::ZERO {
@@ -164,12 +203,12 @@ fn again(pair: &Difference, warm: &mut WarmStart) -> Option<CoreGap> {
         return Some((&depth).into());
     }
     warm.forget_surface();
-    let found = approach_from(pair, &mut warm.feature, 0.0);
+    let found = approach_from(pair, &mut warm.feature, Accuracy::FULL);
     approached(pair, &found, Some(warm))
 }
 
 /// A search from the last nearest feature, if there is one, that leaves the new one.
-fn approach_from(pair: &Difference, feature: &mut WarmFeature, accuracy: f64) -> Approach {
+fn approach_from(pair: &Difference, feature: &mut WarmFeature, accuracy: Accuracy) -> Approach {
     let found = approach_again(pair, feature, accuracy)
         .unwrap_or_else(|| approach(pair, pair.guess(), accuracy));
     feature.remember(found.simplex.corners());

@@ -86,7 +86,12 @@ impl MovingPair<'_> {
         }
     }
 
-    fn furthest(&self, time: f32, gap_m: f32, floor_m: f32, normal: Vec3) -> f32 {
+    /// How long the pair is certainly clear of `floor_m` whose gap along `normal` is `gap_m` at `time`, and no
+    /// less than that floor.
+    ///
+    /// Cost: two support queries, unless the gap is wide for how fast it closes.
+    #[must_use]
+    pub fn furthest(&self, time: f32, gap_m: f32, floor_m: f32, normal: Vec3) -> f32 {
         let approach = self.approach(normal, time);
         let slack = gap_m - floor_m;
         let reach = time + slack / math::max(approach, 1e-30);
@@ -131,18 +136,15 @@ impl MovingPair<'_> {
     /// How much the gap along `normal` may be bent, per square of time: A / 2, and what is known of it.
     fn bend(&self, normal: Vec3) -> f32 {
         let unknown = 0.5 * (self.motion_a.acceleration + self.motion_b.acceleration);
-        let bow = normal.dot(self.motion_a.bow - self.motion_b.bow);
+        let bow = normal.dot(self.motion_a.course.bow - self.motion_b.course.bow);
         unknown + bow
     }
 
     /// Upper bound of the speed at which the gap along `normal` shrinks from `time` on, per unit of time.
     #[must_use]
     pub fn approach(&self, normal: Vec3, time: f32) -> f32 {
-        let linear = normal.dot(self.motion_b.linear - self.motion_a.linear);
-        let turning = self.motion_a.turning + self.motion_b.turning;
-        let bow = normal.dot(self.motion_b.bow - self.motion_a.bow);
-        let bowed = math::max(bow, (2.0 * time - 1.0) * bow);
-        math::max(0.0, linear + turning + bowed)
+        let (a, b) = (&self.motion_a.course, &self.motion_b.course);
+        a.approach(b, normal, time)
     }
 }
 

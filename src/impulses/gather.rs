@@ -25,8 +25,9 @@ pub(super) fn run(
     report: &mut FrameReport,
 ) -> Option<usize> {
     let mut count = 0;
+    let mut last = None;
     for index in 0..pairs {
-        let measured = measure(state, index, stretch, purse);
+        let measured = measure(state, index, stretch, &mut last, purse);
         if purse.is_closed() {
             return None;
         }

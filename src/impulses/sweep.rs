@@ -6,12 +6,12 @@ use glam::Vec3;
 use super::Stretch;
 use super::movers::{is_stopped, motion, piece_at};
 use crate::geometry::manifold::{Contact, manifold};
-use crate::geometry::motion::Track;
-use crate::geometry::separation::core_gap_from;
+use crate::geometry::motion::{Course, Track};
+use crate::geometry::separation::core_gap_beyond;
 use crate::geometry::time_of_contact::MovingPair;
 use crate::limits::{
-    GAP_FLOOR_M, LOOSE_ACCURACY, LOOSE_DEEP_M, LOOSE_MARGIN_M, LOOSE_STEP_MIN_M, LOOSE_STILL_M,
-    MANIFOLD_CONTACTS_MAX, PAIR_MARGIN_M,
+    FAR_ACCURACY, GAP_FLOOR_M, LOOSE_ACCURACY, LOOSE_DEEP_M, LOOSE_MARGIN_M, LOOSE_STEP_MIN_M,
+    LOOSE_STILL_M, MANIFOLD_CONTACTS_MAX, PAIR_MARGIN_M,
 };
 use crate::math::{self, Pose};
 use crate::state::State;
@@ -21,6 +21,10 @@ use crate::state::loose;
 use crate::state::pieces::Bounds;
 use crate::state::purse::Purse;
 use crate::state::ways::{self, BodyTrack, Leg, Position, piece_pose};
+
+/// Parts of a unit for judging a pair by its planes: two support queries, where a distance query takes some four
+/// times as many.
+const PLANES_PARTS: u32 = 2;
 
 /// Boxes around the ways of all pieces that are not the island's own loose ones, through the whole frame:
 /// they do not change with impulses.
@@ -53,17 +57,22 @@ pub(super) fn begin(state: &mut State, island: u32, purse: &mut Purse) -> bool {
     true
 }
 
-/// A box around a driven piece's whole way through the frame.
+/// A box around a driven piece's whole way through the frame. A leg begins where the one before it ended, and the
+/// first one where the piece is, unless the body snaps to its tracker.
 fn driven_bounds(state: &State, piece: usize) -> Bounds {
     let body = state.pieces.body[piece] as usize;
-    let mut bounds = state.pieces.bounds[piece];
-    for (index, leg) in state.legs.of(body).iter().enumerate() {
-        let track = leg_track(leg, index);
-        bounds = bounds.union(ways::swept_bounds(
-            state,
-            piece,
-            &ways::piece_motion(state, piece, &track),
-        ));
+    let shape = &state.pieces.shape[piece];
+    let legs = state.legs.of(body);
+    let mut begun = state.pieces.bounds[piece];
+    let mut bounds = begun;
+    for (index, leg) in legs.iter().enumerate() {
+        let motion = ways::piece_motion(state, piece, &leg_track(leg, index));
+        if index == 0 && leg.from != state.bodies.pose[body] {
+            begun = Bounds::of(shape, &motion.at(0.0));
+        }
+        let ended = Bounds::of(shape, &motion.at(1.0));
+        bounds = bounds.union(begun.union(ended).grown(motion.bulge_m()));
+        begun = ended;
     }
     bounds
 }
@@ -194,7 +203,28 @@ pub(super) struct Measured {
     pub pose_b: Pose,
 }
 
-/// Measures the gap of a pair at the start of a stretch, by its boxes when they tell enough.
+/// Where a piece is at the start of a stretch. Pairs come in the order of their first pieces, so the last
+/// one is mostly asked for again.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    piece: usize,
+    pose: Pose,
+    bounds: Bounds,
+}
+
+impl Place {
+    fn of(state: &State, piece: usize, stretch: &Stretch) -> Self {
+        let pose = piece_at(state, piece, stretch);
+        Self {
+            piece,
+            pose,
+            bounds: Bounds::of(&state.pieces.shape[piece], &pose),
+        }
+    }
+}
+
+/// Measures the gap of a pair at the start of a stretch, by its boxes when they tell enough. `last` is where the
+/// first piece of the pair before is.
 ///
 /// Answers what the contacts are made from, or nothing when the pieces are farther apart than loose
 /// contacts are, or when the units ran out: the pair stays unmeasured then.
@@ -202,6 +232,7 @@ pub(super) fn measure(
     state: &mut State,
     index: usize,
     stretch: &Stretch,
+    last: &mut Option<Place>,
     purse: &mut Purse,
 ) -> Option<Measured> {
     if !purse.take_parts(1) {
@@ -209,13 +240,18 @@ pub(super) fn measure(
     }
     let pair = state.islands.pairs[index];
     let (a, b) = (pair.a as usize, pair.b as usize);
-    let pose_a = piece_at(state, a, stretch);
-    let pose_b = piece_at(state, b, stretch);
+    let place_a = match last {
+        Some(place) if place.piece == a => *place,
+        _ => *last.insert(Place::of(state, a, stretch)),
+    };
+    let place_b = Place::of(state, b, stretch);
     let (shape_a, shape_b) = (&state.pieces.shape[a], &state.pieces.shape[b]);
-    let apart = Bounds::of(shape_a, &pose_a).gap(&Bounds::of(shape_b, &pose_b));
+    let radii = shape_a.radius + shape_b.radius;
+    let (apart, normal) = place_a.bounds.apart(&place_b.bounds, radii);
     if apart > LOOSE_MARGIN_M {
         let pair = &mut state.islands.pairs[index];
         pair.gap = apart;
+        pair.normal = normal;
         pair.measured = 1;
         return None;
     }
@@ -224,9 +260,10 @@ pub(super) fn measure(
     }
     let mut feature = pair.feature;
     let (a, b) = (state.pools.convex(shape_a), state.pools.convex(shape_b));
+    let (pose_a, pose_b) = (place_a.pose, place_b.pose);
     let a_in_b = pose_a.seen_from(&pose_b);
-    let core = core_gap_from(&a, &b, &a_in_b, &mut feature);
-    let gap = core.gap - a.radius - b.radius;
+    let core = core_gap_beyond(&a, &b, &a_in_b, &mut feature, LOOSE_MARGIN_M, FAR_ACCURACY);
+    let gap = core.gap - radii;
     let contacts = if gap <= LOOSE_MARGIN_M && pair.foreign == 0 {
         manifold(&a, &b, &a_in_b, &core, LOOSE_MARGIN_M)
     } else {
@@ -291,26 +328,39 @@ fn pays_for(state: &State, index: usize, pairs: usize, purse: &mut Purse) -> boo
 /// How long the gaps at the start last at the most. Pairs that are new are measured first.
 fn start(state: &mut State, pairs: usize, stretch: &Stretch, purse: &mut Purse) {
     for pair in &state.islands.pairs[..pairs] {
-        state.islands.way[pair.a as usize] = -1.0;
-        state.islands.way[pair.b as usize] = -1.0;
+        state.islands.has_course[pair.a as usize] = 0;
+        state.islands.has_course[pair.b as usize] = 0;
     }
+    let mut last = None;
     for index in 0..pairs {
         if state.islands.pairs[index].measured == 0 {
-            measure(state, index, stretch, purse);
+            measure(state, index, stretch, &mut last, purse);
         }
         let pair = state.islands.pairs[index];
-        let way = way_m(state, pair.a as usize, stretch) + way_m(state, pair.b as usize, stretch);
-        let slack = pair.gap - floor_m(state, &pair, stretch);
         state.islands.pairs[index].clear_until = if is_unsure(state, &pair, stretch) {
             0.0
-        } else if way < LOOSE_STILL_M {
-            1.0
-        } else if slack > 0.0 {
-            math::min(slack / way, 1.0)
         } else {
-            0.0
+            lasts(state, &pair, stretch, purse)
         };
     }
+}
+
+/// How long the gap of a pair lasts by what is known of it at the start of a stretch: as fast as it closes at the
+/// most, and where that is not enough and units are left, between the planes that it was measured between.
+fn lasts(state: &mut State, pair: &Pair, stretch: &Stretch, purse: &mut Purse) -> f32 {
+    let a = course(state, pair.a as usize, stretch);
+    let b = course(state, pair.b as usize, stretch);
+    let floor = floor_m(state, pair, stretch);
+    let slack = pair.gap - floor;
+    let closing = a.approach(&b, pair.normal, 0.0);
+    if slack > closing || a.way_m() + b.way_m() < LOOSE_STILL_M {
+        return 1.0;
+    }
+    if pair.measured == 0 || !purse.take_parts(PLANES_PARTS) {
+        return math::clamp(slack / math::max(closing, 1e-30), 0.0, 1.0);
+    }
+    let floor = math::min(floor, pair.gap);
+    moving_pair(state, pair, stretch).furthest(0.0, pair.gap, floor, pair.normal)
 }
 
 /// Whether a loose body moves towards a driven one of another island, which may yet stop anywhere on its way.
@@ -329,19 +379,21 @@ pub(super) fn is_unsure(state: &State, pair: &Pair, stretch: &Stretch) -> bool {
 /// the motion leaves of them at least. Pairs that may be close are to be measured again.
 pub(super) fn carry_over(state: &mut State, pairs: usize, reached: f32) {
     for pair in &mut state.islands.pairs[..pairs] {
-        let ways = state.islands.way[pair.a as usize] + state.islands.way[pair.b as usize];
-        pair.gap -= math::max(ways, 0.0) * reached;
+        let [a, b] = [pair.a, pair.b].map(|piece| &state.islands.course[piece as usize]);
+        pair.gap -= a.approach(b, pair.normal, 0.0) * reached;
         if pair.gap <= LOOSE_MARGIN_M {
             pair.measured = 0;
         }
     }
 }
 
-fn way_m(state: &mut State, piece: usize, stretch: &Stretch) -> f32 {
-    if state.islands.way[piece] < 0.0 {
-        state.islands.way[piece] = motion(state, piece, stretch).way_m();
+/// How fast a piece moves in a stretch. Worked out once a sweep.
+fn course(state: &mut State, piece: usize, stretch: &Stretch) -> Course {
+    if state.islands.has_course[piece] == 0 {
+        state.islands.course[piece] = motion(state, piece, stretch).course;
+        state.islands.has_course[piece] = 1;
     }
-    state.islands.way[piece]
+    state.islands.course[piece]
 }
 
 /// The gap that a pair's way does not undercut. One that is closer already, because the host put it there,
@@ -382,7 +434,6 @@ fn certify(state: &mut State, index: usize, stretch: &Stretch, time: f32) -> boo
     let way = moving.motion_a.way_m() + moving.motion_b.way_m();
     let pair = &mut state.islands.pairs[index];
     pair.feature = feature;
-    pair.normal = found.normal;
     pair.clear_until = math::max(time, found.clear_until);
     pair.clear_until < 1.0 && (pair.clear_until - time) * way < LOOSE_STEP_MIN_M
 }

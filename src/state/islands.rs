@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
+use crate::geometry::motion::Course;
 use crate::math::Pose;
 use crate::memory::columns::columns;
 use crate::state::State;
@@ -46,8 +47,10 @@ columns! {
         pairs: [Pair; capacities.pairs],
         /// Box around each piece's way, grown.
         swept: [Bounds; capacities.pieces],
-        /// How far any point of a piece goes in a stretch, in metres; negative while unknown.
-        way: [f32; capacities.pieces],
+        /// How fast a piece moves at the most in a stretch.
+        course: [Course; capacities.pieces],
+        /// One while that is known.
+        has_course: [u32; capacities.pieces],
         /// Where the frame of a body's centre of mass is at the end of the stretch.
         goal: [Pose; capacities.bodies],
         /// Angular momentum at the end of the stretch, in kg m2/s.

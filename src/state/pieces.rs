@@ -105,6 +105,20 @@ impl Bounds {
         math::max(apart.x, math::max(apart.y, apart.z))
     }
 
+    /// How far apart the surfaces in two boxes are at least that overlap by less than `radii`, the sum of their
+    /// rounding radii, and the direction from the other into this along which they are: the distance of the boxes
+    /// of their cores, less the rounding. Negative where nothing is known, and then of no direction.
+    pub(crate) fn apart(&self, other: &Self, radii: f32) -> (f32, Vec3) {
+        let above = self.low - other.high + Vec3::splat(radii);
+        let below = other.low - self.high + Vec3::splat(radii);
+        let way = math::max_each(above, Vec3::ZERO) - math::max_each(below, Vec3::ZERO);
+        let length = math::length(way);
+        if length == 0.0 {
+            return (-radii, Vec3::ZERO);
+        }
+        (length * (1.0 - 4.0 * f32::EPSILON) - radii, way / length)
+    }
+
     pub(crate) fn contains(&self, other: &Self) -> bool {
         self.low.cmple(other.low).all() && self.high.cmpge(other.high).all()
     }

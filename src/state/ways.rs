@@ -255,11 +255,16 @@ pub(crate) fn piece_pose(state: &State, piece: usize, at: &Position) -> Pose {
 pub(crate) fn piece_motion<'a>(state: &'a State, piece: usize, track: &BodyTrack) -> Motion<'a> {
     let pieces = &state.pieces;
     let core_reach = state.pieces.shape[piece].core_reach();
-    let local = Track {
-        from: pieces.local[piece],
-        to: pieces.local_target[piece],
-        start: track.local_from,
-        end: track.local_to,
+    let (from, to) = (pieces.local[piece], pieces.local_target[piece]);
+    let local = if from == to {
+        Track::still(from)
+    } else {
+        Track {
+            from,
+            to,
+            start: track.local_from,
+            end: track.local_to,
+        }
     };
     match pieces.link[piece].checked_sub(1) {
         None => Motion::new(track.root, local, core_reach),
