@@ -1,6 +1,8 @@
 //! Driven bodies that contact holds where they are: as long as nothing changes, a frame finds what the one
 //! before found, and need not look.
 
+use crate::limits::{STILL_M, STILL_RAD};
+use crate::math;
 use crate::state::State;
 use crate::state::bodies::{BodyKind, DrivenReport, Settled, is_body_of};
 use crate::state::chains::{ChainReport, chains_of, joints_of, next_chain};
@@ -11,10 +13,22 @@ pub(super) fn is_settled(state: &State, body: usize) -> bool {
     let settled = &state.bodies.settled[body];
     settled.is_settled == 1
         && state.registers.disturbed == 0
-        && settled.wanted == state.legs.wanted[body]
+        && is_wanted_there(state, body)
         && settled.first_contact == state.registers.contacts
         && chains_of(state, body).all(|chain| is_chain_settled(state, chain))
         && others_are_still(state, body)
+}
+
+/// Whether a body is wanted where it was when it settled. One that leans on sleepers may be wanted a hair aside: its
+/// coupling comes to rest later than they.
+fn is_wanted_there(state: &State, body: usize) -> bool {
+    let (before, now) = (state.bodies.settled[body].wanted, state.legs.wanted[body]);
+    if before == now || state.bodies.yielding[body].leans == 0 {
+        return before == now;
+    }
+    let moved = now.translation() - before.translation();
+    let turned = math::nearer_sign(now.quat(), before.quat()) - before.quat();
+    math::length(moved) <= STILL_M && 4.0 * turned.length_squared() <= STILL_RAD * STILL_RAD
 }
 
 fn is_chain_settled(state: &State, chain: usize) -> bool {

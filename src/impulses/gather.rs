@@ -132,9 +132,12 @@ pub(super) fn place(state: &mut State, rows: usize, stretch: &Stretch) {
     }
 }
 
+/// The widest gap that counts as closed, in metres.
+pub(super) const CARRYING_M: f32 = LOOSE_REST_M + LOOSE_BAND_M;
+
 /// Whether a gap counts as closed.
 pub(super) fn is_closed(row: &Row) -> bool {
-    row.gap - LOOSE_REST_M < LOOSE_BAND_M
+    row.gap < CARRYING_M
 }
 
 /// Presses the rows of driven bodies that keep their pieces where they are: by the coupling's stiffness

@@ -10,7 +10,7 @@ use crate::state::islands::{Members, NONE};
 use crate::state::loose::{self, reach_m, spin};
 use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::rows::Mover;
-use crate::state::ways::comes_to;
+use crate::state::ways::{Position, comes_to, piece_pose};
 
 /// Wakes what is about to be touched and finds the islands; false when nothing is awake.
 ///
@@ -184,13 +184,9 @@ pub(super) fn rest(state: &mut State, stretch: &Stretch) {
         next = state.islands.next[body].checked_sub(1).map(|n| n as usize);
         match state.bodies.kind[body] {
             kind if kind == BodyKind::Dynamic.code() => {
-                let slow = surface_speed(state, body) < STILL_SPEED;
+                let speed = surface_speed(state, body);
                 let momentum = &mut state.bodies.momentum[body];
-                momentum.still_s = if slow {
-                    momentum.still_s + stretch.dt_s
-                } else {
-                    0.0
-                };
+                momentum.still_s = still_for(momentum.still_s, speed, stretch.dt_s);
                 rested &= momentum.still_s >= SLEEP_S;
             }
             kind if kind == BodyKind::Driven.code() => {
@@ -204,13 +200,35 @@ pub(super) fn rest(state: &mut State, stretch: &Stretch) {
     }
 }
 
-/// Whether a driven body stays where it is: with nowhere to go, or kept from it for as long as an object lies still
-/// before it sleeps.
+/// How long a loose body has been still after a frame at that speed. One that is faster than what is still loses as
+/// much time as such a thing would have taken for its way: what rocks back once while it settles loses little.
+fn still_for(still_s: f32, speed: f32, dt_s: f32) -> f32 {
+    if speed < STILL_SPEED {
+        math::min(still_s + dt_s, SLEEP_S)
+    } else {
+        math::max(still_s - dt_s * speed / STILL_SPEED, 0.0)
+    }
+}
+
+/// Whether a driven body stays where it is: with nowhere to go, or kept from it and as slow as an object that lies
+/// still for as long as that before it sleeps.
 fn has_rested(state: &mut State, body: usize, stretch: &Stretch) -> bool {
-    let stays = comes_to(state, body).is_none();
+    let goes_to = comes_to(state, body);
+    let slow = goes_to.is_none_or(|at| is_slow(state, body, &at, STILL_SPEED * stretch.dt_s));
     let still_s = &mut state.bodies.momentum[body].still_s;
-    *still_s = if stays { *still_s + stretch.dt_s } else { 0.0 };
-    stays && (state.legs.count[body] == 0 || *still_s >= SLEEP_S)
+    *still_s = if slow { *still_s + stretch.dt_s } else { 0.0 };
+    goes_to.is_none() && (state.legs.count[body] == 0 || *still_s >= SLEEP_S)
+}
+
+/// Whether no point of a driven body goes farther than `most_m` on its way to a place.
+fn is_slow(state: &State, body: usize, at: &Position, most_m: f32) -> bool {
+    let pieces = &state.pieces;
+    PiecesOf::new(pieces.next, state.bodies.first_piece[body]).all(|piece| {
+        let (from, to) = (pieces.world[piece], piece_pose(state, piece, at));
+        let turned = math::nearer_sign(to.quat(), from.quat()) - from.quat();
+        let turn = 2.0 * math::sqrt(turned.length_squared()) * pieces.shape[piece].reach;
+        math::length(to.translation() - from.translation()) + turn <= most_m
+    })
 }
 
 /// Whether a driven body touches a loose one.

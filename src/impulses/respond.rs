@@ -257,18 +257,22 @@ fn is_lone(state: &State, rows: usize, index: usize) -> bool {
 }
 
 /// How far a gap is from closed, in metres; zero when it counts as closed.
-fn spare_m(row: &Row, lone: bool) -> f32 {
-    let closed = if lone {
-        row.gap <= 2.0 * GAP_FLOOR_M
+///
+/// What hands hold goes on carrying as before where it leaves what counts as closed: if it closed to the rest gap
+/// from there, an object that creeps would jolt.
+fn spare_m(state: &State, row: &Row, lone: bool) -> f32 {
+    let (closed_m, rest_m) = if lone {
+        (2.0 * GAP_FLOOR_M, 1.5 * GAP_FLOOR_M)
+    } else if is_driven(state, row.body_b) {
+        (gather::CARRYING_M, gather::CARRYING_M)
     } else {
-        gather::is_closed(row)
+        (gather::CARRYING_M, LOOSE_REST_M)
     };
-    let rest = if lone {
-        1.5 * GAP_FLOOR_M
+    if row.gap <= closed_m {
+        0.0
     } else {
-        LOOSE_REST_M
-    };
-    if closed { 0.0 } else { row.gap - rest }
+        row.gap - rest_m
+    }
 }
 
 /// What an impact brings a row to.
@@ -282,7 +286,7 @@ fn aim_strike(state: &mut State, rows: usize, index: usize, stretch: &Stretch) {
     touch::note_approach(state, &row, velocity);
     let least = bounce_least(state, lone, stretch);
     let giving = gives(state, row.body_b, stretch);
-    let spare = spare_m(&row, lone);
+    let spare = spare_m(state, &row, lone);
     let fast = meets_fast(state, &row, velocity.dot(row.normal), lone, least);
     let row = &mut state.rows.rows[index];
     if spare == 0.0 {
@@ -448,7 +452,7 @@ fn aim_push(state: &mut State, rows: usize, index: usize, stretch: &Stretch) {
     let velocity = problem(state, rows, stretch).relative_velocity(&row);
     let begun = velocity.dot(row.normal);
     let least = bounce_least(state, lone, stretch);
-    let spare = spare_m(&row, lone);
+    let spare = spare_m(state, &row, lone);
     let bounced = lone && row.gap >= 0.0 && begun > 0.25 * least;
     let meets_later = spare > 0.0 && meets_fast(state, &row, begun, lone, least);
     state.islands.pairs[row.pair as usize].bounced = u32::from(bounced);

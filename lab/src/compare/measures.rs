@@ -54,8 +54,6 @@ pub const WALLED: Measure = millimetres("ball in wall and floor", Some(0.3));
 pub const HELD: Measure = millimetres("hand in box", Some(0.1));
 /// How far anything goes from frame to frame under still trackers, after a second.
 pub const JITTER: Measure = millimetres("jitter under a still tracker", Some(0.0));
-/// The same after three seconds: hands that hold a box give in to it for a while.
-pub const LATE_JITTER: Measure = millimetres("jitter after three seconds", Some(0.0));
 /// How long after the trackers anything still moved by a single bit; all the rest of the scene when it never
 /// came to rest.
 pub const REST: Measure = Measure {
@@ -126,10 +124,6 @@ pub fn measures(
                 (HELD_BACK, most(all.clone(), |r| r.lag_mm)),
                 (HELD, most(all, |r| r.hand_loose_mm)),
                 (JITTER, most(still.clone(), |r| r.moved_mm)),
-                (
-                    LATE_JITTER,
-                    most(still.start + 2 * second..still.end, |r| r.moved_mm),
-                ),
                 (REST, rest_s(readings, still.start - second)),
             ]
         }
