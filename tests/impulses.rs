@@ -481,3 +481,42 @@ fn a_stack_of_boxes_stands_and_sleeps() {
         assert_eq!(stack.map(|body| world.pose(body).unwrap()), poses);
     }
 }
+
+/// A kilometre from the origin f32 has a grid of 0.06 mm, and each of a frame's events rounds where a body is.
+#[test]
+fn rounding_at_a_frames_events_does_not_add_up() {
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    world.set_gravity([0.0; 3]);
+    surface(&mut world, 1.0, 0.0);
+    let at = |x: f32, y: f32| Pose::at(-640.0 + x, 508.0 + y, 772.0);
+    for side in [-1.0, 1.0] {
+        add_box(&mut world, BodyKind::Fixed, at(0.03 * side, 0.0), [0.01; 3]);
+    }
+    let rattling = ball(&mut world, BodyKind::Dynamic, [-640.0, 508.0, 772.0], 0.01);
+    world
+        .set_velocity(rattling, [25.0, 0.0, 0.0], [0.0; 3])
+        .unwrap();
+    let drifting = add_box(&mut world, BodyKind::Dynamic, at(0.0, 0.1), [0.02; 3]);
+    let velocity = [0.047_f32, 0.031, 0.019];
+    world.set_velocity(drifting, velocity, [0.0; 3]).unwrap();
+    let spacing = f64::from(f32::EPSILON) * 512.0;
+    for frame in 0..10 {
+        let before = position(&world, drifting);
+        let report = world.step(&FrameInput::unlimited(FRAME_S));
+        let after = position(&world, drifting);
+        assert!(
+            report.impulses > 10,
+            "frame {frame}: {} impulses",
+            report.impulses
+        );
+        for axis in 0..3 {
+            let way = f64::from(velocity[axis]) * f64::from(FRAME_S);
+            let off = (after[axis] - before[axis] - way).abs() / spacing;
+            assert!(
+                off < 1.01,
+                "frame {frame}: off by {off} spacings along {axis}"
+            );
+        }
+    }
+}

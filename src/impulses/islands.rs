@@ -1,5 +1,7 @@
 //! Which loose and driven bodies may touch each other within a frame, and who sleeps.
 
+use glam::Vec3;
+
 use super::Stretch;
 use super::movers::{self, centre_pose, keep_sane};
 use crate::limits::{LOOSE_MARGIN_M, SLEEP_S, STILL_SPEED};
@@ -26,6 +28,7 @@ pub(super) fn find(state: &mut State, dt_s: f32) -> bool {
         state.rows.even[body] = 0;
         if is_loose(state, body) {
             state.legs.stop_time[body] = 1.0;
+            state.islands.rounded[body] = Vec3::ZERO;
             state.islands.near[body] = loose::near(state, body, dt_s);
         } else if is_body_of(state, body, BodyKind::Driven) {
             state.islands.near[body] = near_driven(state, body);
@@ -233,8 +236,7 @@ fn is_slow(state: &State, body: usize, at: &Position, most_m: f32) -> bool {
 
 /// Whether a driven body touches a loose one.
 fn touches(state: &State, body: usize) -> bool {
-    state.bodies.yielding[body].level > 0
-        || state.bodies.yielding[body].reaction != glam::Vec3::ZERO
+    state.bodies.yielding[body].level > 0 || state.bodies.yielding[body].reaction != Vec3::ZERO
 }
 
 fn fall_asleep(state: &mut State, island: usize) {
@@ -245,8 +247,8 @@ fn fall_asleep(state: &mut State, island: usize) {
             let momentum = &mut state.bodies.momentum[body];
             momentum.asleep = 1;
             momentum.nap = island as u32;
-            momentum.velocity = glam::Vec3::ZERO;
-            momentum.angular = glam::Vec3::ZERO;
+            momentum.velocity = Vec3::ZERO;
+            momentum.angular = Vec3::ZERO;
         } else if touches(state, body) && comes_to(state, body).is_none() {
             state.bodies.yielding[body].leans = 1;
         }

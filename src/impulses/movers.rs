@@ -249,9 +249,14 @@ fn advance_one(state: &mut State, body: usize, stretch: &Stretch, reached: f32) 
     let (begun, ended) = (&state.rows.begun[body], &state.rows.movers[body]);
     let bow = (ended.velocity - setting_out(state, body)) * (0.5 * stretch.seconds());
     let gained = ended.velocity - begun.velocity;
-    let at = Track::between(from, goal)
-        .at(reached)
-        .moved(bow * (reached * reached - reached));
+    let straight = (setting_out(state, body) + ended.velocity) * (0.5 * stretch.seconds());
+    let way = straight * reached + bow * (reached * reached - reached);
+    let turn = Track::between(from, goal).at(reached).quat();
+    // Far from the origin rounding is larger than many an event's way, and would add up.
+    let at = Pose::new(
+        turn,
+        from.translation() + (way + state.islands.rounded[body]),
+    );
     let (velocity, angular) = if reached >= 1.0 {
         (ended.velocity, state.islands.angular[body])
     } else {
@@ -275,8 +280,12 @@ fn advance_one(state: &mut State, body: usize, stretch: &Stretch, reached: f32) 
     };
     state.bodies.momentum[body].velocity = velocity;
     state.bodies.momentum[body].angular = angular;
-    if reached > 0.0 && at != from {
-        state.bodies.pose[body] = origin_of(state, body, &at);
+    if reached > 0.0 {
+        if at != from {
+            state.bodies.pose[body] = origin_of(state, body, &at);
+        }
+        let gone = centre_pose(state, body).translation() - from.translation();
+        state.islands.rounded[body] += way - gone;
     }
 }
 

@@ -58,6 +58,8 @@ columns! {
         /// Centre of mass at the start of the stretch.
         centre: [Vec3; capacities.bodies],
         gives: [GiveWay; capacities.bodies],
+        /// What rounding took from a loose body's way through the frame so far, in metres.
+        rounded: [Vec3; capacities.bodies],
     }
 }
 
