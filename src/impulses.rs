@@ -15,7 +15,9 @@
 
 mod cluster;
 mod energy;
+mod forces;
 mod gather;
+mod giving;
 mod islands;
 mod line;
 mod movers;
@@ -23,6 +25,7 @@ mod queue;
 mod respond;
 mod rest;
 pub mod solver;
+mod spans;
 mod stall;
 mod sweep;
 mod touch;
@@ -235,7 +238,7 @@ impl Island {
     fn end_at(&mut self, state: &mut State, time: f32) {
         if time < self.stretch.to {
             let Stretch { from, to, .. } = self.stretch;
-            respond::shorten(state, self.rows, &self.stretch, (time - from) / (to - from));
+            forces::shorten(state, self.rows, &self.stretch, (time - from) / (to - from));
             self.stretch.to = time;
             islands::aim(state, &self.stretch);
         }
@@ -245,10 +248,10 @@ impl Island {
     /// sooner after events that brought nobody forward. Not among driven bodies: they feed energy in and take it
     /// out, and each end is another event of all that they touch.
     fn end_turn(&mut self, state: &mut State, stalls: u32) {
-        if respond::has_driven(state, self.stretch.island as usize) {
+        if giving::has_driven(state, self.stretch.island as usize) {
             return;
         }
-        let share = respond::turns_for(state, &self.stretch, stalls);
+        let share = spans::turns_for(state, &self.stretch, stalls);
         if share < 1.0 {
             let Stretch { from, to, .. } = self.stretch;
             self.end_at(state, from + (to - from) * share);
@@ -307,7 +310,7 @@ impl Island {
         let stretch = self.stretch;
         self.update(state, purse, report);
         let mut swept = sweep::run(state, self.pairs?, &stretch, purse);
-        let holds_for = respond::holds_for(state, self.rows, &stretch);
+        let holds_for = spans::holds_for(state, self.rows, &stretch);
         if swept.reached >= 1.0 || swept.reached > holds_for {
             swept.blocked = None;
         }

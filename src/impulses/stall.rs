@@ -2,7 +2,7 @@
 //!
 //! Where bodies slide on each other and turn, their surfaces part and meet again within micrometres, and the way
 //! between two poses may take them nearer than their motion does. Shorter stretches are straighter and mostly
-//! help ([`super::respond::turns_for`]). Who is blocked all the same waits for the next frame with what motion it
+//! help ([`super::spans::turns_for`]). Who is blocked all the same waits for the next frame with what motion it
 //! has. A pair that hardly came forward in the frame loses half of its turns and of its motion beside its common
 //! centre, so that it comes free: what only drifts is no nearer at the end of its way. Its momentum stays, some of
 //! its angular momentum does not, and its energy never rises. One that others push, that moves as one and is
@@ -14,8 +14,8 @@
 use glam::Vec3;
 
 use super::Stretch;
+use super::giving::has_driven;
 use super::movers::{mover, wait_blocked};
-use super::respond::has_driven;
 use crate::limits::{STALLED_SHARE, STILL_SPEED};
 use crate::math;
 use crate::state::State;
