@@ -9,7 +9,7 @@ use crate::math;
 use crate::state::State;
 use crate::state::contacts::{Pair, choice_parts, least_certified, query_units, scan_parts};
 use crate::state::purse::Purse;
-use crate::state::ways::{BodyTrack, is_own, lost_m, pair_motions, piece_motion, rests};
+use crate::state::ways::{BodyTrack, Rests, is_own, lost_m, pair_motions, piece_motion};
 
 /// How far a leg was found clear.
 #[derive(Clone, Copy, Debug)]
@@ -84,25 +84,28 @@ fn start(state: &mut State, pairs: usize, leg: &BodyTrack) {
 
 /// How far the pieces of a body go on a leg, in metres: written down for its pairs; the farthest of them.
 pub(crate) fn measure_ways(state: &mut State, body: usize, leg: &BodyTrack) -> f32 {
+    let rests = Rests::on(state, body, leg);
     let mut farthest = 0.0;
     let mut next = state.bodies.first_piece[body];
     while let Some(piece) = next.checked_sub(1) {
         let piece = piece as usize;
-        let way = way_m(state, piece, leg);
+        let way = if rests.piece(state, piece) {
+            0.0
+        } else {
+            piece_motion(state, piece, leg).way_m()
+        };
         state.pairs.way[piece] = way;
-        state.pairs.own_way[piece] = -1.0;
+        state.pairs.own_way[piece] = if rests.root() {
+            way
+        } else if rests.in_root(state, piece) {
+            0.0
+        } else {
+            -1.0
+        };
         farthest = math::max(farthest, way);
         next = state.pieces.next[piece];
     }
     farthest
-}
-
-fn way_m(state: &State, piece: usize, leg: &BodyTrack) -> f32 {
-    if rests(state, piece, leg) {
-        0.0
-    } else {
-        piece_motion(state, piece, leg).way_m()
-    }
 }
 
 /// How much nearer the pieces of a pair can come on the whole leg, in metres.
@@ -118,7 +121,7 @@ fn way_of(state: &mut State, pair: &Pair, leg: &BodyTrack) -> f32 {
 /// How far a piece goes as its own root sees it. Worked out once a leg.
 fn own_way(state: &mut State, piece: usize, leg: &BodyTrack) -> f32 {
     if state.pairs.own_way[piece] < 0.0 {
-        state.pairs.own_way[piece] = way_m(state, piece, &leg.in_root());
+        state.pairs.own_way[piece] = piece_motion(state, piece, &leg.in_root()).way_m();
     }
     state.pairs.own_way[piece]
 }

@@ -203,11 +203,11 @@ fn keep_in_cones(state: &mut State, chain: usize) {
 /// Finds where a chain's tip is wanted: at its tracked place, less what is left of its offset.
 fn couple_tip(state: &mut State, body: usize, chain: usize, left: f32) {
     let last = joints_of(state, chain).end - 1;
-    let link = linkage(state).link(last, |joint| state.joints.target[joint]);
     let tip = Vec3::from_array(state.chains.options[chain].tip);
     let tracked = if state.chains.is_tip_seen[chain] == 1 {
         state.chains.tip_seen[chain]
     } else {
+        let link = linkage(state).link(last, |joint| state.joints.target[joint]);
         state.legs.wanted[body].point(link.point(tip))
     };
     let step = tracked - state.chains.tip_tracked[chain];

@@ -15,7 +15,7 @@ use crate::state::bodies::BodyKind;
 use crate::state::chains::has_chains;
 use crate::state::contacts::{PairsFull, push};
 use crate::state::pieces::{Bounds, PiecesOf};
-use crate::state::ways::{BodyTrack, piece_motion, rests, swept_bounds};
+use crate::state::ways::{BodyTrack, Rests, piece_motion, swept_bounds};
 
 /// A box around everything a driven body can touch on a way, from its reach about its root alone.
 fn whole_bounds(state: &State, body: usize, track: &BodyTrack) -> Bounds {
@@ -64,6 +64,7 @@ pub(crate) fn collect_driven(
     let whole = whole_bounds(state, body, track);
     state.legs.whole[body] = state.legs.whole[body].union(whole);
     let near = obstacles_near(state, body, &whole);
+    let rests = Rests::on(state, body, track);
     let mut count = 0;
     let keeps = has_chains(state, body);
     let mut current = if near.is_empty() && !keeps {
@@ -78,7 +79,7 @@ pub(crate) fn collect_driven(
             state.pairs.swept[piece] = Bounds::ALL;
             continue;
         }
-        let bounds = any_way(state, piece, track).grown(PAIR_MARGIN_M);
+        let bounds = any_way(state, piece, track, &rests).grown(PAIR_MARGIN_M);
         if keeps {
             state.pairs.swept[piece] = bounds;
         }
@@ -90,15 +91,15 @@ pub(crate) fn collect_driven(
         }
     }
     if keeps {
-        own::collect(state, body, track, &mut count)?;
+        own::collect(state, body, track, &rests, &mut count)?;
     }
     Ok(count)
 }
 
 /// A box around a piece wherever its root is on the way, and however far it has turned and moved within the
 /// body there: contact may hold back the one and not the other.
-fn any_way(state: &State, piece: usize, track: &BodyTrack) -> Bounds {
-    if rests_where_shown(state, piece, track) {
+fn any_way(state: &State, piece: usize, track: &BodyTrack, rests: &Rests) -> Bounds {
+    if rests.where_shown(state, piece) {
         return state.pieces.bounds[piece];
     }
     let turned = |local_from: f32, local_to: f32| {
@@ -123,15 +124,6 @@ fn any_way(state: &State, piece: usize, track: &BodyTrack) -> Bounds {
         low: turned_box.low + math::min_each(from, to),
         high: turned_box.high + math::max_each(from, to),
     }
-}
-
-/// Whether a piece stays where it was at the end of the last frame: its box is known.
-fn rests_where_shown(state: &State, piece: usize, track: &BodyTrack) -> bool {
-    let body = state.pieces.body[piece] as usize;
-    track.leg == 0
-        && track.local_from == 0.0
-        && track.root.from == state.bodies.pose[body]
-        && rests(state, piece, track)
 }
 
 fn pass(state: &State, piece: usize, other: usize) -> bool {
@@ -175,15 +167,16 @@ fn is_fixed_near(state: &State, piece: usize, bounds: &Bounds) -> bool {
 
 /// Whether the pairs of a body with chains, collected for another way, hold for this one too, provided
 /// that the root goes no farther. Where nothing at all was near, no piece can have come near anything.
-pub(crate) fn cover(state: &State, body: usize, track: &BodyTrack) -> bool {
+pub(crate) fn cover(state: &mut State, body: usize, track: &BodyTrack) -> bool {
+    let rests = Rests::on(state, body, track);
     PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]).all(|piece| {
         let known = state.pairs.swept[piece];
         known == Bounds::ALL
-            || if rests_where_shown(state, piece, track) {
+            || if rests.where_shown(state, piece) {
                 known.contains(&state.pieces.bounds[piece])
             } else {
                 let motion = piece_motion(state, piece, track);
                 known.contains(&swept_bounds(state, piece, &motion))
             }
-    }) && own::cover(state, body, track)
+    }) && own::cover(state, body, track, &rests)
 }

@@ -5,7 +5,7 @@ use crate::state::State;
 use crate::state::chains::{ChainOptions, chains_of};
 use crate::state::contacts::{PairsFull, push};
 use crate::state::pieces::{Bounds, PiecesOf};
-use crate::state::ways::{BodyTrack, piece_motion, rests, swept_bounds};
+use crate::state::ways::{BodyTrack, Rests, piece_motion, swept_bounds};
 
 /// Adds the pairs of a body's own pieces that may touch. They are looked for in the root's frame, in
 /// which the root's motion does not show.
@@ -13,6 +13,7 @@ pub(super) fn collect(
     state: &mut State,
     body: usize,
     track: &BodyTrack,
+    rests: &Rests,
     count: &mut usize,
 ) -> Result<(), PairsFull> {
     if !meets_itself(state, body) {
@@ -22,7 +23,9 @@ pub(super) fn collect(
     let mut first = state.bodies.first_piece[body];
     while let Some(piece) = first.checked_sub(1) {
         let piece = piece as usize;
-        let bounds = if rests(state, piece, &in_root) {
+        let bounds = if rests.where_shown_in_root(state, piece) {
+            state.pieces.own_bounds[piece]
+        } else if rests.in_root(state, piece) {
             let shape = &state.pieces.shape[piece];
             Bounds::of(shape, &piece_motion(state, piece, &in_root).at(0.0))
         } else {
@@ -45,14 +48,14 @@ pub(super) fn collect(
 }
 
 /// Whether the boxes that were looked at hold this way too.
-pub(super) fn cover(state: &State, body: usize, track: &BodyTrack) -> bool {
+pub(super) fn cover(state: &State, body: usize, track: &BodyTrack, rests: &Rests) -> bool {
     if !meets_itself(state, body) {
         return true;
     }
     let in_root = track.in_root();
     PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]).all(|piece| {
-        // Where the frame begins, every box that was looked at begins too.
-        (track.leg == 0 && rests(state, piece, &in_root)) || {
+        // Every box that was looked at holds the place where the piece is.
+        rests.in_root(state, piece) || {
             let motion = piece_motion(state, piece, &in_root);
             state.ways.swept[piece].contains(&swept_bounds(state, piece, &motion))
         }

@@ -117,7 +117,7 @@ pub(super) fn solve(
     let is_placed = *proposed == angles[..] && state.chains.base[limb.chain] == 0;
     if !is_placed {
         proposed.copy_from_slice(&angles);
-        place_chain(state, limb.chain, limb.at.leg, End::To);
+        place_chain(state, limb.chain, limb.at.leg, End::To, Some(limb.at.leg));
     }
     solved
 }

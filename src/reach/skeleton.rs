@@ -35,13 +35,13 @@ pub(super) fn goes_with_root(state: &State, chain: usize) -> bool {
 /// Sets the angles at the end of a leg to the wanted ones.
 pub(crate) fn propose(state: &mut State, body: usize, leg: usize) {
     set_wanted(state, body, leg);
-    place_links(state, body, leg, End::To);
+    place_links(state, body, leg, End::To, Some(leg));
 }
 
 /// The same for a leg whose links were placed in this frame: where no angle changes they stay.
 fn propose_again(state: &mut State, body: usize, leg: usize) {
     if set_wanted(state, body, leg) {
-        place_links(state, body, leg, End::To);
+        place_links(state, body, leg, End::To, Some(leg));
     }
 }
 
@@ -119,8 +119,8 @@ pub(crate) fn bend_into_cones(state: &mut State, body: usize, at: &Position, leg
             state.ways.to[into + joint] = angle;
         }
     }
-    place_links(state, body, leg, End::From);
-    place_links(state, body, leg, End::To);
+    place_links(state, body, leg, End::From, None);
+    place_links(state, body, leg, End::To, Some(leg));
     all
 }
 

@@ -144,6 +144,8 @@ columns! {
         world: [Pose; capacities.pieces],
         /// Box of the published pose in the world.
         bounds: [Bounds; capacities.pieces],
+        /// The same in the body's frame, for bodies with chains.
+        own_bounds: [Bounds; capacities.pieces],
     }
 }
 
