@@ -9,7 +9,7 @@ use crate::geometry::motion::interpolate;
 use crate::math::{self, Pose, displacement_of};
 use crate::state::State;
 use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, is_body_of, is_loose};
-use crate::state::chains::{ChainOptions, joints_of, linkage, next_chain, slot_range};
+use crate::state::chains::{ChainOptions, joints_of, next_chain, slot_range};
 use crate::state::islands::NONE;
 use crate::state::pieces::Bounds;
 use crate::state::ways::{Position, comes_before, comes_to, is_before};
@@ -119,12 +119,10 @@ pub(crate) fn place_published_links(state: &mut State, body: usize) {
 /// Recomputes links of a chain, the last of its joints, from its published angles.
 fn place_chain(state: &mut State, joints: Range<usize>) {
     for joint in joints {
-        let behind = linkage(state).behind(joint, state.joints.angle[joint]);
-        let link = match state.joints.parent[joint].checked_sub(1) {
-            Some(parent) => state.joints.link[parent as usize].then(&behind),
-            None => behind,
-        };
-        state.joints.link[joint] = Pose::new(math::renormalised(link.quat()), link.translation());
+        let joints = &mut state.joints;
+        let parent = joints.parent[joint].checked_sub(1);
+        let base = parent.map_or(Pose::IDENTITY, |parent| joints.link[parent as usize]);
+        joints.link[joint] = joints.hinge[joint].placed(&base, joints.angle[joint]);
     }
 }
 

@@ -272,7 +272,7 @@ impl<'p> Problem<'p> {
             let solved = self.swing(state, from, self.wanted, [&start, &wanted]);
             return (self.wanted.clone(), solved);
         }
-        let (angles, posture, mut reached) = self.rounds(state, from, steps);
+        let (angles, posture, mut reached) = self.rounds(state, from, &start, steps);
         if state.chains.report[self.limb.chain].flags & ChainReport::CUT != 0 {
             // A chain that was cut asks nothing of the root: it goes on in the next frame.
             reached = 0.0;
@@ -286,12 +286,13 @@ impl<'p> Problem<'p> {
         (angles, solved)
     }
 
-    /// Solves, looks for lower points, and solves again; the angles, where they take the links and what is
-    /// missed there.
+    /// Solves, looks for lower points, and solves again, from angles that take the links to `start`; the angles,
+    /// where they take the links and what is missed there.
     fn rounds(
         &mut self,
         state: &mut State,
         from: &Angles,
+        start: &Posture,
         steps: &mut Purse,
     ) -> (Angles, Posture, f32) {
         let chain = self.limb.chain;
@@ -301,7 +302,7 @@ impl<'p> Problem<'p> {
         } else {
             from.clone()
         };
-        let (mut posture, mut missed_m) = (Posture::new(), 0.0);
+        let (mut posture, mut missed_m) = (start.clone(), 0.0);
         for _ in 0..ROUNDS {
             let most = REACH_STEPS_PER_LEG_MAX;
             let mut refused = false;
@@ -311,19 +312,21 @@ impl<'p> Problem<'p> {
                 paid
             };
             let task = self.task(state);
-            let found = if descends {
-                cyclic_descent_paid(&task, &mut angles, most, &mut pay)
+            let found;
+            if descends {
+                found = cyclic_descent_paid(&task, &mut angles, most, &mut pay);
+                posture = self.posture(state, &angles);
             } else if self.soft == 0 {
-                least_deviation_paid(&task, &mut angles, most, &mut pay)
+                (found, posture) =
+                    least_deviation_paid(&task, &mut angles, most, Some(&posture), &mut pay);
             } else {
-                slid(&task, self.soft, &mut angles, most, &mut pay)
-            };
+                (found, posture) = slid(&task, self.soft, &mut angles, most, &posture, &mut pay);
+            }
             state.chains.report[chain].steps += found.steps;
             if refused {
                 state.chains.report[chain].flags |= ChainReport::CUT;
             }
             missed_m = found.missed_m;
-            posture = self.posture(state, &angles);
             self.project_tip(&posture);
             if !self.look(state, &posture) || deepest_m(&self.goals, &posture) <= TOLERANCE_M {
                 break;
@@ -384,24 +387,28 @@ fn slid(
     soft: usize,
     angles: &mut Angles,
     steps: u32,
+    known: &Posture,
     pay: &mut dyn FnMut() -> bool,
-) -> Reached {
+) -> (Reached, Posture) {
     let loose = Task {
         tolerance_m: SLIDING_M,
         ..*task
     };
-    let first = least_deviation_paid(&loose, angles, steps.min(SLIDING_STEPS), pay);
+    let most = steps.min(SLIDING_STEPS);
+    let (first, posture) = least_deviation_paid(&loose, angles, most, Some(known), pay);
     let wanted = angles.clone();
     let tight = Task {
         wanted: &wanted,
         goals: &task.goals[soft..],
         ..*task
     };
-    let second = least_deviation_paid(&tight, angles, steps - first.steps.min(steps), pay);
-    Reached {
+    let most = steps - first.steps.min(steps);
+    let (second, posture) = least_deviation_paid(&tight, angles, most, Some(&posture), pay);
+    let reached = Reached {
         steps: first.steps + second.steps,
         missed_m: second.missed_m,
-    }
+    };
+    (reached, posture)
 }
 
 const _: () = assert!(super::touch::TOUCHES_MAX + 3 < CHAIN_GOALS_MAX);

@@ -366,21 +366,14 @@ pub(crate) fn place_chain(
         copy_links(state, chain, slot, end, like)
     });
     for joint in first..joints.end {
-        let at = slot + joint;
-        let parent = state.joints.parent[joint].checked_sub(1);
-        let under = parent.map(|parent| slot + parent as usize);
-        let ways = &state.ways;
-        let (angle, base) = match end {
-            End::From => (ways.from[at], under.map(|under| ways.from_link[under])),
-            End::To => (ways.to[at], under.map(|under| ways.to_link[under])),
+        let (joints, ways) = (&state.joints, &mut state.ways);
+        let (angles, links) = match end {
+            End::From => (&*ways.from, &mut *ways.from_link),
+            End::To => (&*ways.to, &mut *ways.to_link),
         };
-        let behind = linkage(state).behind(joint, angle);
-        let link = base.map_or(behind, |base| base.then(&behind));
-        let link = Pose::new(crate::math::renormalised(link.quat()), link.translation());
-        match end {
-            End::From => state.ways.from_link[at] = link,
-            End::To => state.ways.to_link[at] = link,
-        }
+        let parent = joints.parent[joint].checked_sub(1);
+        let base = parent.map_or(Pose::IDENTITY, |parent| links[slot + parent as usize]);
+        links[slot + joint] = joints.hinge[joint].placed(&base, angles[slot + joint]);
     }
 }
 
