@@ -202,18 +202,33 @@ fn keep_in_cones(state: &mut State, chain: usize) {
 
 /// Finds where a chain's tip is wanted: at its tracked place, less what is left of its offset.
 fn couple_tip(state: &mut State, body: usize, chain: usize, left: f32) {
-    let last = joints_of(state, chain).end - 1;
     let tip = Vec3::from_array(state.chains.options[chain].tip);
     let tracked = if state.chains.is_tip_seen[chain] == 1 {
         state.chains.tip_seen[chain]
     } else {
-        let link = linkage(state).link(last, |joint| state.joints.target[joint]);
+        let link = target_link(state, chain);
         state.legs.wanted[body].point(link.point(tip))
     };
     let step = tracked - state.chains.tip_tracked[chain];
     let offset = shortened(state.chains.tip_offset[chain], step) * left;
     state.chains.tip_tracked[chain] = tracked;
     state.ways.tip[chain] = tracked + offset;
+}
+
+/// Where a chain's last link is in the root's frame at the target angles. Up to the first joint that is not at its
+/// target that is where it was published.
+fn target_link(state: &State, chain: usize) -> Pose {
+    let (joints, range) = (&state.joints, joints_of(state, chain));
+    if state.chains.base[chain] != 0 {
+        return linkage(state).link(range.end - 1, |joint| joints.target[joint]);
+    }
+    let is_there = |&joint: &usize| joints.angle[joint] == joints.target[joint];
+    let shown = range.clone().take_while(is_there).last();
+    let first = shown.map_or(range.start, |joint| joint + 1);
+    let base = shown.map_or(Pose::IDENTITY, |joint| joints.link[joint]);
+    (first..range.end).fold(base, |base, joint| {
+        joints.hinge[joint].placed(&base, joints.target[joint])
+    })
 }
 
 /// Counts how long the tracker has been lost; the flag of one lost for too long.

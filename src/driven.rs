@@ -379,6 +379,7 @@ fn walk(
         }
     }
     walk.keep(state, &purses.units);
+    pairs::remember(state, walk.pairs);
     if !contacts::record(state, walk.pairs) {
         walk.flags |= DrivenReport::CONTACTS_FULL;
     }
@@ -492,6 +493,7 @@ impl Walk {
         if self.resumes {
             looks::keep(state, self.body, self.pairs, &self.at);
         }
+        pairs::remember(state, self.pairs);
         self.collect(state, goal)?;
         if self.resumes {
             looks::recall(state, self.body, self.pairs, &self.at);

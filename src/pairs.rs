@@ -14,7 +14,7 @@ use crate::state::State;
 use crate::state::bodies::BodyKind;
 use crate::state::chains::has_chains;
 use crate::state::contacts::{PairsFull, push};
-use crate::state::pieces::{Bounds, PiecesOf};
+use crate::state::pieces::{Bounds, PiecesOf, Touched};
 use crate::state::ways::{BodyTrack, Rests, piece_motion, swept_bounds};
 
 /// A box around everything a driven body can touch on a way, from its reach about its root alone.
@@ -93,7 +93,30 @@ pub(crate) fn collect_driven(
     if keeps {
         own::collect(state, body, track, &rests, &mut count)?;
     }
+    recall(state, count);
     Ok(count)
+}
+
+/// Begins searches where those of earlier frames ended.
+fn recall(state: &mut State, count: usize) {
+    for pair in &mut state.pairs.list[..count] {
+        let known = &state.pieces.touched[pair.a as usize];
+        if known.other == state.pieces.id(pair.b) {
+            pair.feature = known.feature;
+        }
+    }
+}
+
+/// Writes down where searches between pieces that touch ended.
+pub(crate) fn remember(state: &mut State, count: usize) {
+    for pair in &state.pairs.list[..count] {
+        if pair.bends == 1 {
+            state.pieces.touched[pair.a as usize] = Touched {
+                other: state.pieces.id(pair.b),
+                feature: pair.feature,
+            };
+        }
+    }
 }
 
 /// A box around a piece wherever its root is on the way, and however far it has turned and moved within the
