@@ -8,6 +8,7 @@ mod own;
 
 use core::ops::Range;
 
+use crate::geometry::motion::Motion;
 use crate::limits::PAIR_MARGIN_M;
 use crate::math;
 use crate::state::State;
@@ -20,7 +21,6 @@ use crate::state::ways::{BodyTrack, Rests, piece_motion, swept_bounds};
 /// A box around everything a driven body can touch on a way, from its reach about its root alone.
 fn whole_bounds(state: &State, body: usize, track: &BodyTrack) -> Bounds {
     let pieces = &state.pieces;
-    let skeleton = has_chains(state, body);
     let mut reach = 0.0;
     for piece in PiecesOf::new(pieces.next, state.bodies.first_piece[body]) {
         let arm = math::max(
@@ -28,8 +28,8 @@ fn whole_bounds(state: &State, body: usize, track: &BodyTrack) -> Bounds {
             pieces.local_target[piece].translation().length_squared(),
         );
         let mut own = math::sqrt(arm) + pieces.shape[piece].reach;
-        if skeleton {
-            own += arm_of_link(state, pieces.link[piece]);
+        if let Some(joint) = pieces.link[piece].checked_sub(1) {
+            own += state.joints.arm[joint as usize];
         }
         reach = math::max(reach, own);
     }
@@ -39,16 +39,6 @@ fn whole_bounds(state: &State, body: usize, track: &BodyTrack) -> Bounds {
         high: math::max_each(from, to),
     }
     .grown(reach + PAIR_MARGIN_M)
-}
-
-/// The farthest that a link can be from the root, in metres.
-fn arm_of_link(state: &State, link: u32) -> f32 {
-    let (mut arm, mut next) = (0.0, link);
-    while let Some(joint) = next.checked_sub(1) {
-        arm += state.joints.length[joint as usize];
-        next = state.joints.parent[joint as usize];
-    }
-    arm
 }
 
 /// Writes the pairs of a driven body that moves so: with fixed pieces, with pieces of other driven
@@ -66,35 +56,100 @@ pub(crate) fn collect_driven(
     let near = obstacles_near(state, body, &whole);
     let rests = Rests::on(state, body, track);
     let mut count = 0;
-    let keeps = has_chains(state, body);
-    let mut current = if near.is_empty() && !keeps {
-        0
-    } else {
-        state.bodies.first_piece[body]
-    };
+    if has_chains(state, body) {
+        note_boxes(state, body, track, &rests, near.is_empty());
+    }
+    if !near.is_empty() {
+        collect_obstacles(state, body, track, &rests, &near, &mut count)?;
+    }
+    own::collect(state, body, &mut count)?;
+    recall(state, count);
+    Ok(count)
+}
+
+/// Adds the pairs of a driven body with obstacles that its pieces may touch; `near` are the slots of those that it
+/// may touch as a whole.
+fn collect_obstacles(
+    state: &mut State,
+    body: usize,
+    track: &BodyTrack,
+    rests: &Rests,
+    near: &Range<usize>,
+    count: &mut usize,
+) -> Result<(), PairsFull> {
+    let are_known = has_chains(state, body);
+    let mut current = state.bodies.first_piece[body];
     while current != 0 {
         let piece = current as usize - 1;
         current = state.pieces.next[piece];
-        if near.is_empty() {
-            state.pairs.swept[piece] = Bounds::ALL;
-            continue;
-        }
-        let bounds = any_way(state, piece, track, &rests).grown(PAIR_MARGIN_M);
-        if keeps {
-            state.pairs.swept[piece] = bounds;
-        }
+        let bounds = if are_known {
+            state.pairs.swept[piece]
+        } else {
+            any_way(state, piece, track, rests).grown(PAIR_MARGIN_M)
+        };
         for other in near.clone() {
             if is_obstacle_near(state, other, body, &bounds) && !pass(state, piece, other) {
                 let mark = &mut state.registers.high_water.pairs;
-                push(state.pairs.list, &mut count, mark, piece, other)?;
+                push(state.pairs.list, count, mark, piece, other)?;
             }
         }
     }
-    if keeps {
-        own::collect(state, body, track, &rests, &mut count)?;
+    Ok(())
+}
+
+/// Writes down the boxes of a skeleton's pieces that pairs are looked for with, in the world and in the root's
+/// frame. Where no obstacle is near, everything in the world is far enough.
+fn note_boxes(state: &mut State, body: usize, track: &BodyTrack, rests: &Rests, is_far: bool) {
+    let meets = own::meets_itself(state, body);
+    let in_root = track.in_root();
+    let mut current = state.bodies.first_piece[body];
+    while let Some(piece) = current.checked_sub(1) {
+        let piece = piece as usize;
+        current = state.pieces.next[piece];
+        if is_far {
+            state.pairs.swept[piece] = Bounds::ALL;
+            if !meets {
+                continue;
+            }
+        }
+        let needs_motion = !rests.where_shown_in_root(state, piece);
+        let (world, own) = if needs_motion && rests.root() && rests.local(state, piece) {
+            // What it does in the world it does in the root's frame.
+            let motion = piece_motion(state, piece, &in_root);
+            let boxes = end_boxes(state, piece, track, &motion);
+            (Some(boxes[0]), boxes[1])
+        } else if meets && needs_motion {
+            let motion = piece_motion(state, piece, &in_root);
+            (None, swept_bounds(state, piece, &motion))
+        } else {
+            (None, state.pieces.own_bounds[piece])
+        };
+        state.ways.swept[piece] = own.grown(PAIR_MARGIN_M);
+        if !is_far {
+            let world = world.unwrap_or_else(|| any_way(state, piece, track, rests));
+            state.pairs.swept[piece] = world.grown(PAIR_MARGIN_M);
+        }
     }
-    recall(state, count);
-    Ok(count)
+}
+
+/// Boxes around the way of a piece whose root rests, in the world and in the root's frame.
+fn end_boxes(state: &State, piece: usize, track: &BodyTrack, motion: &Motion) -> [Bounds; 2] {
+    let shape = &state.pieces.shape[piece];
+    let at = |time: f32| {
+        let own = motion.at(time);
+        let world = track.root.from.then(&own);
+        [Bounds::of(shape, &world), Bounds::of(shape, &own)]
+    };
+    let begins_where_shown = track.leg == 0 && track.local_from == 0.0;
+    let body = state.pieces.body[piece] as usize;
+    let first = if begins_where_shown && track.root.from == state.bodies.pose[body] {
+        [state.pieces.bounds[piece], state.pieces.own_bounds[piece]]
+    } else {
+        at(0.0)
+    };
+    let last = at(1.0);
+    let bulge_m = motion.bulge_m();
+    [0, 1].map(|frame| first[frame].union(last[frame]).grown(bulge_m))
 }
 
 /// Begins searches where those of earlier frames ended.

@@ -160,6 +160,8 @@ columns! {
         parent: [u32; capacities.joints],
         /// Length of the hinge's rest translation.
         length: [f32; capacities.joints],
+        /// The farthest that the hinge can be from the root: the sum of the lengths from there to it.
+        arm: [f32; capacities.joints],
         chain: [u32; capacities.joints],
         /// One for the first of a ball's three.
         ball: [u32; capacities.joints],
@@ -269,6 +271,7 @@ impl State<'_> {
         close(joints.hinge, &gone, used);
         close(joints.parent, &gone, used);
         close(joints.length, &gone, used);
+        close(joints.arm, &gone, used);
         close(joints.chain, &gone, used);
         close(joints.ball, &gone, used);
         close(joints.angle, &gone, used);

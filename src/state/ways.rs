@@ -312,9 +312,14 @@ impl Rests {
         self.root
     }
 
+    /// Whether a piece's local pose rests.
+    pub(crate) fn local(&self, state: &State, piece: usize) -> bool {
+        self.locals || local_rests(state, piece)
+    }
+
     /// Whether a piece rests as its body's root sees it.
     pub(crate) fn in_root(&self, state: &State, piece: usize) -> bool {
-        (self.locals || local_rests(state, piece)) && comes_before(state, piece, state.ways.turns)
+        self.local(state, piece) && comes_before(state, piece, state.ways.turns)
     }
 
     /// Whether a piece rests where it was published in the world.

@@ -184,6 +184,10 @@ impl World<'_> {
             joints.hinge[joint] = hinge;
             joints.parent[joint] = parent;
             joints.length[joint] = math::length(hinge.rest.translation());
+            let before = parent
+                .checked_sub(1)
+                .map_or(0.0, |parent| joints.arm[parent as usize]);
+            joints.arm[joint] = before + joints.length[joint];
             joints.chain[joint] = chain as u32;
             joints.ball[joint] = u32::from(ball);
             joints.angle[joint] = angle;
