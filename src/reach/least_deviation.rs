@@ -218,7 +218,8 @@ fn step_of<const W: usize>(
     let levers: ArrayVec<Levers, CHAIN_GOALS_MAX> = points
         .map(|beside| beside[0].levers(&spot.placed))
         .collect();
-    let mut program = Program::<W>::new(task, spot, &levers, restores, damping);
+    let mut program = Program::<W>::at(spot);
+    program.linearise(task, spot, &levers, restores, damping);
     program.solve(task);
     // What goals that have to be met exactly press with far from them is not what they press with there.
     let along = restores || asks_exactly(task);

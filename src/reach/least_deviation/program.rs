@@ -117,52 +117,56 @@ pub(super) struct Program<const W: usize> {
 }
 
 impl<const W: usize> Program<W> {
-    /// The program at a spot; `restores` asks for the least change from there instead of from the
+    /// A program without goals, to begin at some angles.
+    #[inline]
+    pub(super) fn at(spot: &Spot) -> Self {
+        let metric = Metric::new();
+        let joints = spot.q.len();
+        Self {
+            lines: Rows::new(),
+            joints,
+            q: padded(&spot.q),
+            slope: [0.0; W],
+            factor: Factor::new(&metric, &[true; W], joints),
+            metric,
+            turns: [0.0; W],
+        }
+    }
+
+    /// Linearises a task at the spot; `restores` asks for the least change from there instead of from the
     /// tracked angles.
-    pub(super) fn new(
+    pub(super) fn linearise(
+        &mut self,
         task: &Task,
         spot: &Spot,
         levers: &[Levers],
         restores: bool,
         damping: f32,
-    ) -> Self {
-        let q = padded(&spot.q);
-        let joints = spot.q.len();
-        let mut slope = [0.0; W];
+    ) {
+        let joints = self.joints;
         if !restores {
             let wanted: Wide<W> = padded(&task.wanted[..joints]);
             for j in 0..joints {
-                slope[j] = q[j] - wanted[j];
+                self.slope[j] = self.q[j] - wanted[j];
             }
         }
-        let metric = Metric::new();
-        let mut new = Self {
-            lines: Rows::new(),
-            joints,
-            q,
-            slope,
-            factor: Factor::new(&metric, &[true; W], joints),
-            metric,
-            turns: [0.0; W],
-        };
-        let largest = new.add_goals(task, levers);
+        let largest = self.add_goals(task, levers);
         if damping >= DAMPING_RAISED {
-            new.metric.damp(f64::from(damping), joints);
+            self.metric.damp(f64::from(damping), joints);
         }
-        for line in &mut new.lines {
+        for line in &mut self.lines {
             line.added =
                 line.softness + f64::from(damping) * largest + f64::from(f32::MIN_POSITIVE);
         }
-        new.add_cones(task, spot);
-        if new.metric.is_unit() {
+        self.add_cones(task, spot);
+        if self.metric.is_unit() {
             for j in 0..joints {
-                new.turns[j] = -new.slope[j];
+                self.turns[j] = -self.slope[j];
             }
         } else {
-            new.factor = Factor::new(&new.metric, &[true; W], joints);
+            self.factor = Factor::new(&self.metric, &[true; W], joints);
         }
-        new.choose();
-        new
+        self.choose();
     }
 
     /// Adds rows for hard goals, and soft ones to the cost; the largest stiffness of a hard one.
