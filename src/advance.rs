@@ -3,7 +3,7 @@
 //! Conservative advancement from one certified pose to the next: every pose on the way is known to be
 //! safe, so the way may be cut anywhere.
 
-use crate::geometry::time_of_contact::MovingPair;
+use crate::geometry::time_of_contact::{Clearance, MovingPair};
 use crate::limits::{GAP_FLOOR_M, STEP_MIN_M};
 use crate::math;
 use crate::state::State;
@@ -71,7 +71,12 @@ fn start(state: &mut State, pairs: usize, leg: &BodyTrack) {
         let pair = state.pairs.list[index];
         let way = way_of(state, &pair, leg);
         let slack = pair.gap - GAP_FLOOR_M;
-        let until = if slack > 0.0 {
+        let until = if slack > 0.0 && way <= slack {
+            1.0
+        } else if is_known(state, &pair) {
+            // What was measured here says more of the way than how far the gap suffices whatever comes.
+            0.0
+        } else if slack > 0.0 {
             math::min(slack / math::max(way, 1e-30), 1.0)
         } else {
             0.0
@@ -126,6 +131,11 @@ fn own_way(state: &mut State, piece: usize, leg: &BodyTrack) -> f32 {
     state.pairs.own_way[piece]
 }
 
+/// Whether a pair with another body's piece was measured where the leg starts.
+fn is_known(state: &State, pair: &Pair) -> bool {
+    pair.measured == 1 && !is_own(state, pair)
+}
+
 /// Certifies a pair beyond `time`; true when it cannot be, so that it blocks the way.
 fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool {
     let pair = state.pairs.list[index];
@@ -141,7 +151,17 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
     let mut feature = pair.feature;
     let lost = lost_m(state, &pair, leg, &moving.motion_a.at(time), time);
     let floor_m = GAP_FLOOR_M + lost;
-    let mut found = moving.clear_until(time, floor_m, &mut feature, 0.0);
+    let mut found = if time == 0.0 && is_known(state, &pair) {
+        let gap_m = pair.gap + pair.lost;
+        Clearance {
+            normal: pair.normal,
+            gap_m,
+            point: pair.point,
+            clear_until: moving.clear_from(time, floor_m, pair.normal, gap_m),
+        }
+    } else {
+        moving.clear_until(time, floor_m, &mut feature, 0.0)
+    };
     found.clear_until = moving.clear_nearby(time, floor_m, &found);
     if is_own(state, &pair) {
         let root = leg.root.at(time);
