@@ -112,17 +112,20 @@ fn note_boxes(state: &mut State, body: usize, track: &BodyTrack, rests: &Rests, 
                 continue;
             }
         }
-        let needs_motion = !rests.where_shown_in_root(state, piece);
-        let (world, own) = if needs_motion && rests.root() && rests.local(state, piece) {
+        let is_shown = rests.where_shown_in_root(state, piece);
+        let (world, own) = if is_shown {
+            let world = rests.root_is_shown().then_some(state.pieces.bounds[piece]);
+            (world, state.pieces.own_bounds[piece])
+        } else if rests.root() && rests.local(state, piece) {
             // What it does in the world it does in the root's frame.
             let motion = piece_motion(state, piece, &in_root);
             let boxes = end_boxes(state, piece, track, &motion);
             (Some(boxes[0]), boxes[1])
-        } else if meets && needs_motion {
+        } else if meets {
             let motion = piece_motion(state, piece, &in_root);
             (None, swept_bounds(state, piece, &motion))
         } else {
-            (None, state.pieces.own_bounds[piece])
+            (None, Bounds::EMPTY)
         };
         state.ways.swept[piece] = own.grown(PAIR_MARGIN_M);
         if !is_far {

@@ -80,7 +80,12 @@ fn move_links(state: &mut State, body: usize, reached: &Position, root_moves: bo
             first = joints.start;
         }
         state.ways.leaves[index] = first as u32;
-        place_chain(state, first..joints.end);
+        if reached.share >= 1.0 {
+            let links = &state.ways.to_link[slot..][first..joints.end];
+            state.joints.link[first..joints.end].copy_from_slice(links);
+        } else {
+            place_chain(state, first..joints.end);
+        }
         let from = if root_moves { joints.start } else { first };
         place_chain_in_world(state, body, from..joints.end);
         chain = next_chain(state, index);
@@ -95,12 +100,12 @@ fn move_pieces(state: &mut State, body: usize, share: f32, root_moves: bool) {
         let piece = piece as usize;
         next = state.pieces.next[piece];
         let pieces = &mut state.pieces;
-        let before = pieces.local[piece];
-        pieces.local[piece] = interpolate(&before, &pieces.local_target[piece], share);
-        let moves = root_moves
-            || pieces.local[piece] != before
-            || !comes_before(state, piece, state.ways.leaves);
-        if moves {
+        let (before, target) = (pieces.local[piece], pieces.local_target[piece]);
+        let local_moves = before != target;
+        if local_moves {
+            pieces.local[piece] = interpolate(&before, &target, share);
+        }
+        if root_moves || local_moves || !comes_before(state, piece, state.ways.leaves) {
             place_piece(state, body, piece);
         }
     }

@@ -7,7 +7,7 @@ use super::cyclic_descent::cyclic_descent_paid;
 use super::goal::{Goal, Reached, Task};
 use super::least_deviation::least_deviation_paid;
 use super::root::{HalfSpaces, add, nearest_outside};
-use super::skeleton::goes_with_root;
+use super::skeleton::{SWING_M, goes_with_root};
 use super::touch::{Goals, Place, Touches, deepest_m};
 use crate::geometry::chain::{Ball, Posture, posture};
 use crate::geometry::linkage::angle_at;
@@ -89,6 +89,9 @@ pub(super) fn solve(
     } else {
         place.touches(state, limb.pairs)
     };
+    if touches.is_empty() && is_proposed(state, limb) {
+        return Solved::default();
+    }
     let from: Angles = state.ways.from[slot..][joints.clone()]
         .iter()
         .copied()
@@ -120,6 +123,20 @@ pub(super) fn solve(
         place_chain(state, limb.chain, limb.at.leg, End::To, Some(limb.at.leg));
     }
     solved
+}
+
+/// Whether a chain that touches nothing has its angles at the end of the leg, and its links there, already.
+fn is_proposed(state: &State, limb: &Limb) -> bool {
+    let joints = joints_of(state, limb.chain);
+    let slot = slot_range(state, limb.at.leg).start;
+    let wanted = if state.ways.held[limb.chain] == 0 {
+        &state.ways.wanted[joints.clone()]
+    } else {
+        &state.ways.from[slot..][joints.clone()]
+    };
+    limb.share == 1.0
+        && state.chains.base[limb.chain] == 0
+        && state.ways.to[slot..][joints] == *wanted
 }
 
 /// A chain's task while it is put together.
@@ -357,7 +374,11 @@ impl<'p> Problem<'p> {
     }
 
     /// How far the goals' points swing toward their planes half way, compared to the links at both ends.
+    /// Where that is certain to be no more than a leg may have, it is not looked at.
     fn swing(&self, state: &State, from: &Angles, to: &Angles, ends: [&Posture; 2]) -> Solved {
+        if self.sag_m(state, from, to) <= SWING_M {
+            return Solved::default();
+        }
         let middle: Angles = from.iter().zip(to).map(|(a, b)| 0.5 * (a + b)).collect();
         let middle = self.posture(state, &middle);
         let swing_m = self.goals[self.soft..].iter().fold(0.0, |most, goal| {
@@ -368,6 +389,25 @@ impl<'p> Problem<'p> {
             bent: false,
             swing_m,
         }
+    }
+
+    /// A bound of how far a goal's point is half way from the middle of its straight way: an eighth of its largest
+    /// acceleration, which is as in [`crate::geometry::linkage`].
+    fn sag_m(&self, state: &State, from: &Angles, to: &Angles) -> f32 {
+        let reach_squared = self.goals[self.soft..].iter();
+        let reach_squared = reach_squared.map(|goal| goal.point.length_squared());
+        let mut arm = math::sqrt(reach_squared.fold(0.0, math::max));
+        let rate = |index: usize| (from[index] - to[index]).abs();
+        let mut before: f32 = (0..from.len()).map(rate).sum();
+        let (mut speed, mut acceleration) = (0.0, 0.0);
+        for index in (0..from.len()).rev() {
+            let w = rate(index);
+            before = math::max(before - w, 0.0);
+            speed += w * arm;
+            acceleration += w * (2.0 * before * arm + speed);
+            arm += state.joints.length[self.place.first_joint + index];
+        }
+        0.125 * acceleration
     }
 
     /// Whether no point of the chain would move by as much as is worth a step.

@@ -22,7 +22,7 @@ use crate::state::ways::{Position, is_own};
 
 /// How far a chain may swing toward its contact planes between the ends of a leg, in metres: what the
 /// rest gap leaves above the floor, less a part for what linear bounds lose.
-const SWING_M: f32 = 0.6 * (GAP_REST_M - GAP_FLOOR_M);
+pub(super) const SWING_M: f32 = 0.6 * (GAP_REST_M - GAP_FLOOR_M);
 
 /// Shortest part of the wanted way that a leg is planned for.
 const SHARE_MIN: f32 = 0.05;

@@ -307,6 +307,11 @@ impl Rests {
         self.root && self.in_root(state, piece)
     }
 
+    /// Whether the root rests where it was published.
+    pub(crate) const fn root_is_shown(&self) -> bool {
+        self.root_is_shown
+    }
+
     /// Whether the root rests: what pieces do in the world they do in its frame.
     pub(crate) const fn root(&self) -> bool {
         self.root
@@ -375,7 +380,8 @@ fn first_not_at_rest(state: &State, chain: usize, leg: usize) -> [u32; 2] {
 
 /// The first place at which two columns differ; their length when there is none.
 fn equal_until(a: &[f32], b: &[f32]) -> u32 {
-    let is_equal = a.iter().zip(b).fold(true, |all, (a, b)| all & (a == b));
+    let differing = |bits, (a, b): (&f32, &f32)| bits | (a.to_bits() ^ b.to_bits());
+    let is_equal = a.iter().zip(b).fold(0, differing) == 0;
     if is_equal {
         // Most chains rest, and this comparison has no branches.
         return a.len() as u32;

@@ -441,10 +441,13 @@ impl World<'_> {
         if !angles.iter().all(|angle| angle.is_finite()) {
             return Err(ChainError::BadAngle);
         }
-        self.state.joints.target[joints].copy_from_slice(angles);
         self.state.chains.is_tip_seen[chain] = 0;
         self.state.chains.asked[chain].is_answered = 0;
-        self.keep_targets(chain);
+        // Targets that stay are within the limits.
+        if self.state.joints.target[joints.clone()] != *angles {
+            self.state.joints.target[joints].copy_from_slice(angles);
+            self.keep_targets(chain);
+        }
         Ok(())
     }
 
@@ -716,12 +719,9 @@ fn judge_joints(defs: &[JointDef]) -> Result<usize, AddChainError> {
 /// Goals that ask for the pose of a link: its origin and two points off it.
 fn tip_goals(link: usize, tip: &Pose) -> [Goal; 9] {
     let points = [Vec3::ZERO, Vec3::X * TIP_LEVER_M, Vec3::Y * TIP_LEVER_M];
-    core::array::from_fn(|index| {
-        let point = points[index / 3];
-        let goal = Goal::place(link, point, tip.point(point))[index % 3];
-        Goal {
-            softness: TIP_SOFTNESS,
-            ..goal
-        }
+    let places = points.map(|point| Goal::place(link, point, tip.point(point)));
+    core::array::from_fn(|index| Goal {
+        softness: TIP_SOFTNESS,
+        ..places[index / 3][index % 3]
     })
 }
