@@ -71,12 +71,7 @@ fn start(state: &mut State, pairs: usize, leg: &BodyTrack) {
         let pair = state.pairs.list[index];
         let way = way_of(state, &pair, leg);
         let slack = pair.gap - GAP_FLOOR_M;
-        let until = if slack > 0.0 && way <= slack {
-            1.0
-        } else if is_known(state, &pair) {
-            // What was measured here says more of the way than how far the gap suffices whatever comes.
-            0.0
-        } else if slack > 0.0 {
+        let until = if slack > 0.0 {
             math::min(slack / math::max(way, 1e-30), 1.0)
         } else {
             0.0
@@ -131,11 +126,6 @@ fn own_way(state: &mut State, piece: usize, leg: &BodyTrack) -> f32 {
     state.pairs.own_way[piece]
 }
 
-/// Whether a pair with another body's piece was measured where the leg starts.
-fn is_known(state: &State, pair: &Pair) -> bool {
-    pair.measured == 1 && !is_own(state, pair)
-}
-
 /// Certifies a pair beyond `time`; true when it cannot be, so that it blocks the way.
 fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool {
     let pair = state.pairs.list[index];
@@ -148,20 +138,21 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
         motion_a,
         motion_b,
     };
-    let mut feature = pair.feature;
+    let gains = |until: f32| until >= 1.0 || (until - time) * way >= STEP_MIN_M;
     let lost = lost_m(state, &pair, leg, &moving.motion_a.at(time), time);
     let floor_m = GAP_FLOOR_M + lost;
-    let mut found = if time == 0.0 && is_known(state, &pair) {
-        let gap_m = pair.gap + pair.lost;
-        Clearance {
-            normal: pair.normal,
-            gap_m,
-            point: pair.point,
-            clear_until: moving.clear_from(time, floor_m, pair.normal, gap_m),
+    if pair.measured == 1 && !is_own(state, &pair) {
+        // The gap where the leg starts, and its normal, may do without another look.
+        let until = from_start(&moving, &pair, floor_m);
+        if gains(until) {
+            let pair = &mut state.pairs.list[index];
+            pair.measured = 0;
+            pair.clear_until = until;
+            return false;
         }
-    } else {
-        moving.clear_until(time, floor_m, &mut feature, 0.0)
-    };
+    }
+    let mut feature = pair.feature;
+    let mut found = moving.clear_until(time, floor_m, &mut feature, 0.0);
     found.clear_until = moving.clear_nearby(time, floor_m, &found);
     if is_own(state, &pair) {
         let root = leg.root.at(time);
@@ -169,6 +160,7 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
         found.point = root.point(found.point);
     }
     let pair = &mut state.pairs.list[index];
+    pair.measured = 0;
     pair.feature = feature;
     pair.gap = found.gap_m - lost;
     pair.lost = lost;
@@ -176,8 +168,19 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
     pair.normal = found.normal;
     pair.point = found.point;
     pair.clear_until = math::max(time, found.clear_until);
-    let gained = (pair.clear_until - time) * way;
-    pair.clear_until < 1.0 && gained < STEP_MIN_M
+    !gains(pair.clear_until)
+}
+
+/// How long a pair is certainly clear that was measured where the leg starts.
+fn from_start(moving: &MovingPair, pair: &Pair, floor_m: f32) -> f32 {
+    let gap_m = pair.gap + pair.lost;
+    let found = Clearance {
+        normal: pair.normal,
+        gap_m,
+        point: pair.point,
+        clear_until: moving.clear_from(0.0, floor_m, pair.normal, gap_m),
+    };
+    moving.clear_nearby(0.0, floor_m, &found)
 }
 
 /// Carries what is known of the gaps over to the next leg, which starts at share `reached` of this
