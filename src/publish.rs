@@ -64,14 +64,15 @@ fn move_links(state: &mut State, body: usize, reached: &Position, root_moves: bo
     while let Some(index) = chain.checked_sub(1) {
         let index = index as usize;
         let joints = joints_of(state, index);
+        let angles = &mut state.joints.angle[joints.clone()];
+        let ways = [&*state.ways.from, &*state.ways.to].map(|way| &way[slot..][joints.clone()]);
         let mut first = joints.end;
-        for joint in joints.clone().rev() {
-            let (from, to) = (state.ways.from[slot + joint], state.ways.to[slot + joint]);
-            let angle = angle_at(from, to, reached.share);
-            if state.joints.angle[joint].to_bits() != angle.to_bits() {
-                first = joint;
+        for (place, angle) in angles.iter_mut().enumerate().rev() {
+            let reached = angle_at(ways[0][place], ways[1][place], reached.share);
+            if angle.to_bits() != reached.to_bits() {
+                first = joints.start + place;
             }
-            state.joints.angle[joint] = angle;
+            *angle = reached;
         }
         if state.chains.base[index]
             .checked_sub(1)
@@ -175,12 +176,17 @@ fn settle_chains(state: &mut State, body: usize) {
     let mut chain = state.bodies.first_chain[body];
     while let Some(index) = chain.checked_sub(1) {
         let index = index as usize;
+        let range = joints_of(state, index);
+        let joints = &mut state.joints;
+        let known = joints.angle[range.clone()]
+            .iter()
+            .zip(&joints.target[range.clone()])
+            .zip(&state.ways.wanted[range.clone()]);
         let mut most = 0.0;
-        for joint in joints_of(state, index) {
-            let joints = &mut state.joints;
-            let deviation = joints.angle[joint] - joints.target[joint];
-            if joints.angle[joint] != state.ways.wanted[joint] {
-                joints.deviation[joint] = deviation;
+        for (kept, ((angle, target), wanted)) in joints.deviation[range].iter_mut().zip(known) {
+            let deviation = angle - target;
+            if angle != wanted {
+                *kept = deviation;
             }
             most = math::max(most, deviation.abs());
         }

@@ -16,7 +16,7 @@
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
-use super::metric::{Factor, Metric, Wide, product};
+use super::metric::{Factor, Metric, Torques, Wide, product};
 use super::spot::Spot;
 use super::{DAMPING_RAISED, TURN_MAX};
 use crate::geometry::chain::{Hinge, Posture};
@@ -90,9 +90,9 @@ struct Line<const W: usize> {
 }
 
 /// How goals bend on a way.
-struct Bent<const W: usize> {
-    /// Second derivatives that goals add to the cost.
-    curvature: Metric<W>,
+struct Bent {
+    /// What second derivatives goals add to the cost.
+    torques: Torques,
     /// The most that a pressing goal stays behind its tangent, in metres.
     short_m: f32,
     /// Whether the way is so far that soft goals were taken for straight: what is missed where it begins says
@@ -229,13 +229,17 @@ impl<const W: usize> Program<W> {
         let straight = self.metric.clone();
         for leads in [false, true] {
             let Bent {
-                curvature,
+                torques,
                 short_m,
                 leaps,
             } = self.bent(task, posture, levers, leads);
             is_newton &= !leaps;
             let is_straight = short_m <= BEND_MIN * task.tolerance_m;
-            if is_straight && (leads || curvature.largest() <= CURVED_MIN) {
+            if is_straight && leads {
+                return is_newton;
+            }
+            let curvature = Metric::curved(&torques, posture);
+            if is_straight && curvature.largest() <= CURVED_MIN {
                 return is_newton;
             }
             is_newton &= self.curve(&straight, &curvature, along);
@@ -248,10 +252,10 @@ impl<const W: usize> Program<W> {
     }
 
     /// How goals bend on the way found. With `leads`, hard ones are asked for as much more as they do.
-    fn bent(&mut self, task: &Task, posture: &Posture, levers: &[Levers], leads: bool) -> Bent<W> {
+    fn bent(&mut self, task: &Task, posture: &Posture, levers: &[Levers], leads: bool) -> Bent {
         let (turned, part) = self.turned();
         let mut bent = Bent {
-            curvature: Metric::flat(),
+            torques: [Vec3::ZERO; CHAIN_HINGES_MAX],
             short_m: 0.0,
             leaps: false,
         };
@@ -285,7 +289,9 @@ impl<const W: usize> Program<W> {
                 }
             }
             if pull != Vec3::ZERO {
-                bent.curvature.curve(levers, posture, pull);
+                for (torque, by) in bent.torques.iter_mut().zip(levers.by()) {
+                    *torque += by.cross(pull);
+                }
             }
         }
         bent
