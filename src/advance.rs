@@ -3,13 +3,13 @@
 //! Conservative advancement from one certified pose to the next: every pose on the way is known to be
 //! safe, so the way may be cut anywhere.
 
-use crate::geometry::time_of_contact::MovingPair;
+use crate::geometry::time_of_contact::{Clearance, MovingPair};
 use crate::limits::{GAP_FLOOR_M, STEP_MIN_M};
 use crate::math;
 use crate::state::State;
 use crate::state::contacts::{Pair, choice_parts, least_certified, query_units, scan_parts};
 use crate::state::purse::Purse;
-use crate::state::ways::{BodyTrack, is_own, lost_m, pair_motions, piece_motion, rests};
+use crate::state::ways::{BodyTrack, Rests, is_own, lost_m, pair_motions, piece_motion};
 
 /// How far a leg was found clear.
 #[derive(Clone, Copy, Debug)]
@@ -84,25 +84,28 @@ fn start(state: &mut State, pairs: usize, leg: &BodyTrack) {
 
 /// How far the pieces of a body go on a leg, in metres: written down for its pairs; the farthest of them.
 pub(crate) fn measure_ways(state: &mut State, body: usize, leg: &BodyTrack) -> f32 {
+    let rests = Rests::on(state, body, leg);
     let mut farthest = 0.0;
     let mut next = state.bodies.first_piece[body];
     while let Some(piece) = next.checked_sub(1) {
         let piece = piece as usize;
-        let way = way_m(state, piece, leg);
+        let way = if rests.piece(state, piece) {
+            0.0
+        } else {
+            piece_motion(state, piece, leg).way_m()
+        };
         state.pairs.way[piece] = way;
-        state.pairs.own_way[piece] = -1.0;
+        state.pairs.own_way[piece] = if rests.root() {
+            way
+        } else if rests.in_root(state, piece) {
+            0.0
+        } else {
+            -1.0
+        };
         farthest = math::max(farthest, way);
         next = state.pieces.next[piece];
     }
     farthest
-}
-
-fn way_m(state: &State, piece: usize, leg: &BodyTrack) -> f32 {
-    if rests(state, piece, leg) {
-        0.0
-    } else {
-        piece_motion(state, piece, leg).way_m()
-    }
 }
 
 /// How much nearer the pieces of a pair can come on the whole leg, in metres.
@@ -118,7 +121,7 @@ fn way_of(state: &mut State, pair: &Pair, leg: &BodyTrack) -> f32 {
 /// How far a piece goes as its own root sees it. Worked out once a leg.
 fn own_way(state: &mut State, piece: usize, leg: &BodyTrack) -> f32 {
     if state.pairs.own_way[piece] < 0.0 {
-        state.pairs.own_way[piece] = way_m(state, piece, &leg.in_root());
+        state.pairs.own_way[piece] = piece_motion(state, piece, &leg.in_root()).way_m();
     }
     state.pairs.own_way[piece]
 }
@@ -135,9 +138,20 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
         motion_a,
         motion_b,
     };
-    let mut feature = pair.feature;
+    let gains = |until: f32| until >= 1.0 || (until - time) * way >= STEP_MIN_M;
     let lost = lost_m(state, &pair, leg, &moving.motion_a.at(time), time);
     let floor_m = GAP_FLOOR_M + lost;
+    if pair.measured == 1 && !is_own(state, &pair) {
+        // The gap where the leg starts, and its normal, may do without another look.
+        let until = from_start(&moving, &pair, floor_m);
+        if gains(until) {
+            let pair = &mut state.pairs.list[index];
+            pair.measured = 0;
+            pair.clear_until = until;
+            return false;
+        }
+    }
+    let mut feature = pair.feature;
     let mut found = moving.clear_until(time, floor_m, &mut feature, 0.0);
     found.clear_until = moving.clear_nearby(time, floor_m, &found);
     if is_own(state, &pair) {
@@ -146,6 +160,7 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
         found.point = root.point(found.point);
     }
     let pair = &mut state.pairs.list[index];
+    pair.measured = 0;
     pair.feature = feature;
     pair.gap = found.gap_m - lost;
     pair.lost = lost;
@@ -153,8 +168,19 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
     pair.normal = found.normal;
     pair.point = found.point;
     pair.clear_until = math::max(time, found.clear_until);
-    let gained = (pair.clear_until - time) * way;
-    pair.clear_until < 1.0 && gained < STEP_MIN_M
+    !gains(pair.clear_until)
+}
+
+/// How long a pair is certainly clear that was measured where the leg starts.
+fn from_start(moving: &MovingPair, pair: &Pair, floor_m: f32) -> f32 {
+    let gap_m = pair.gap + pair.lost;
+    let found = Clearance {
+        normal: pair.normal,
+        gap_m,
+        point: pair.point,
+        clear_until: moving.clear_from(0.0, floor_m, pair.normal, gap_m),
+    };
+    moving.clear_nearby(0.0, floor_m, &found)
 }
 
 /// Carries what is known of the gaps over to the next leg, which starts at share `reached` of this

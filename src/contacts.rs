@@ -175,12 +175,17 @@ pub(crate) fn measure_touching(
         return false;
     }
     let mut known = None;
+    let is_shown = is_where_shown(state, pairs, at);
     for index in 0..pairs {
         let pair = state.pairs.list[index];
         if pair.measured == 1 || !touches(pair.gap) {
             continue;
         }
-        let (poses, apart) = boxes_apart(state, &pair, at, &mut known);
+        let (poses, apart) = if is_shown {
+            boxes_shown_apart(state, &pair)
+        } else {
+            boxes_apart(state, &pair, at, &mut known)
+        };
         let lost = lost_m(state, &pair, &at.still(), &poses[0], 0.0);
         let pair = &mut state.pairs.list[index];
         pair.gap_time = 0.0;
@@ -200,6 +205,30 @@ pub(crate) fn measure_touching(
 
 /// A piece, where it is, and its box: pairs of one piece follow each other.
 type Placed = Option<(u32, Pose, Bounds)>;
+
+/// Whether the body that these pairs are of is where it was published.
+fn is_where_shown(state: &State, pairs: usize, at: &Position) -> bool {
+    state.pairs.list[..pairs].first().is_some_and(|pair| {
+        let body = state.pieces.body[pair.a as usize] as usize;
+        let is_at_start = at.leg == 0 && at.share == 0.0 && at.local == 0.0;
+        is_at_start && at.root == state.bodies.pose[body]
+    })
+}
+
+/// [`boxes_apart`] for a body that is where it was published: poses and boxes are known.
+fn boxes_shown_apart(state: &State, pair: &Pair) -> ([Pose; 2], f32) {
+    let (a, b) = (pair.a as usize, pair.b as usize);
+    let pieces = &state.pieces;
+    if is_own(state, pair) {
+        let poses = [a, b].map(|piece| match pieces.link[piece].checked_sub(1) {
+            Some(joint) => state.joints.link[joint as usize].then(&pieces.local[piece]),
+            None => pieces.local[piece],
+        });
+        return (poses, pieces.own_bounds[a].gap(&pieces.own_bounds[b]));
+    }
+    let poses = [pieces.world[a], obstacle_pose(state, b)];
+    (poses, pieces.bounds[a].gap(&obstacle_bounds(state, b)))
+}
 
 /// Where the pieces of a pair are, and how far their boxes are apart: in the root's frame for pieces of one
 /// body.

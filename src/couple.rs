@@ -147,47 +147,44 @@ fn couple_chains(state: &mut State, body: usize, dt_s: f32) {
 }
 
 fn couple_angles(state: &mut State, chain: usize, left: f32) {
-    let joints = &mut state.joints;
-    let range = {
-        let first = state.chains.first_joint[chain] as usize;
-        first..first + state.chains.joint_count[chain] as usize
-    };
+    let range = joints_of(state, chain);
+    let (joints, ways) = (&mut state.joints, &mut state.ways);
+    let target = &joints.target[range.clone()];
+    let previous = &mut joints.previous[range.clone()];
+    let deviation = &mut joints.deviation[range.clone()];
+    let wanted = &mut ways.wanted[range.clone()];
+    ways.from[range.clone()].copy_from_slice(&joints.angle[range.clone()]);
+    ways.from_link[range.clone()].copy_from_slice(&joints.link[range.clone()]);
     // What the tracker itself came nearer, as for the root.
     let (mut along, mut square) = (0.0, 0.0);
-    for joint in range.clone() {
-        let step = joints.target[joint] - joints.previous[joint];
-        along += joints.deviation[joint] * step;
-        square += joints.deviation[joint] * joints.deviation[joint];
+    for ((deviation, target), previous) in deviation.iter().zip(target).zip(&*previous) {
+        along += deviation * (target - previous);
+        square += deviation * deviation;
     }
-    let kept = if square > 0.0 {
-        left * (1.0 - math::clamp(along / square, 0.0, 1.0))
-    } else {
-        left
-    };
+    previous.copy_from_slice(target);
+    // The targets to the bit when there is no deviation.
+    wanted.copy_from_slice(target);
+    if square == 0.0 {
+        deviation.fill(0.0);
+        return;
+    }
+    let kept = left * (1.0 - math::clamp(along / square, 0.0, 1.0));
     let mut negligible = true;
-    for joint in range.clone() {
-        joints.previous[joint] = joints.target[joint];
-        joints.deviation[joint] *= kept;
-        negligible &= joints.deviation[joint].abs() < DISPLACEMENT_MIN;
+    for deviation in &mut *deviation {
+        *deviation *= kept;
+        negligible &= deviation.abs() < DISPLACEMENT_MIN;
     }
-    for joint in range {
-        if negligible {
-            joints.deviation[joint] = 0.0;
+    if negligible {
+        deviation.fill(0.0);
+        return;
+    }
+    for ((wanted, deviation), hinge) in wanted.iter_mut().zip(&*deviation).zip(&joints.hinge[range])
+    {
+        if *deviation != 0.0 {
+            *wanted = hinge.kept(*wanted + deviation);
         }
-        let deviation = joints.deviation[joint];
-        // The target to the bit when there is no deviation.
-        let wanted = joints.hinge[joint].kept(joints.target[joint] + deviation);
-        state.ways.wanted[joint] = if deviation == 0.0 {
-            joints.target[joint]
-        } else {
-            wanted
-        };
-        state.ways.from[joint] = joints.angle[joint];
-        state.ways.from_link[joint] = joints.link[joint];
     }
-    if !negligible {
-        keep_in_cones(state, chain);
-    }
+    keep_in_cones(state, chain);
 }
 
 /// Takes wanted angles that lie between allowed ones to allowed ones.
@@ -202,18 +199,33 @@ fn keep_in_cones(state: &mut State, chain: usize) {
 
 /// Finds where a chain's tip is wanted: at its tracked place, less what is left of its offset.
 fn couple_tip(state: &mut State, body: usize, chain: usize, left: f32) {
-    let last = joints_of(state, chain).end - 1;
-    let link = linkage(state).link(last, |joint| state.joints.target[joint]);
     let tip = Vec3::from_array(state.chains.options[chain].tip);
     let tracked = if state.chains.is_tip_seen[chain] == 1 {
         state.chains.tip_seen[chain]
     } else {
+        let link = target_link(state, chain);
         state.legs.wanted[body].point(link.point(tip))
     };
     let step = tracked - state.chains.tip_tracked[chain];
     let offset = shortened(state.chains.tip_offset[chain], step) * left;
     state.chains.tip_tracked[chain] = tracked;
     state.ways.tip[chain] = tracked + offset;
+}
+
+/// Where a chain's last link is in the root's frame at the target angles. Up to the first joint that is not at its
+/// target that is where it was published.
+fn target_link(state: &State, chain: usize) -> Pose {
+    let (joints, range) = (&state.joints, joints_of(state, chain));
+    if state.chains.base[chain] != 0 {
+        return linkage(state).link(range.end - 1, |joint| joints.target[joint]);
+    }
+    let is_there = |&joint: &usize| joints.angle[joint] == joints.target[joint];
+    let shown = range.clone().take_while(is_there).last();
+    let first = shown.map_or(range.start, |joint| joint + 1);
+    let base = shown.map_or(Pose::IDENTITY, |joint| joints.link[joint]);
+    (first..range.end).fold(base, |base, joint| {
+        joints.hinge[joint].placed(&base, joints.target[joint])
+    })
 }
 
 /// Counts how long the tracker has been lost; the flag of one lost for too long.

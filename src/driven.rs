@@ -379,6 +379,7 @@ fn walk(
         }
     }
     walk.keep(state, &purses.units);
+    pairs::remember(state, walk.pairs);
     if !contacts::record(state, walk.pairs) {
         walk.flags |= DrivenReport::CONTACTS_FULL;
     }
@@ -492,6 +493,7 @@ impl Walk {
         if self.resumes {
             looks::keep(state, self.body, self.pairs, &self.at);
         }
+        pairs::remember(state, self.pairs);
         self.collect(state, goal)?;
         if self.resumes {
             looks::recall(state, self.body, self.pairs, &self.at);
@@ -508,11 +510,14 @@ impl Walk {
         paid
     }
 
-    /// Whether the pairs at hand are all that this leg can meet.
-    fn covers(&self, state: &State, goal: &Position) -> bool {
-        self.covered.holds(&self.at, goal)
-            && (!has_chains(state, self.body)
-                || pairs::cover(state, self.body, &track(&self.at, goal)))
+    /// Whether the pairs at hand are all that a leg on which no piece goes farther than `way_m` can meet.
+    fn covers(&self, state: &mut State, goal: &Position, way_m: f32) -> bool {
+        if !has_chains(state, self.body) {
+            return self.covered.holds(&self.at, goal);
+        }
+        self.covered.reaches(way_m)
+            || (self.covered.holds(&self.at, goal)
+                && pairs::cover(state, self.body, &track(&self.at, goal)))
     }
 
     /// Measures what touches where the body is; false when the units ran out.
@@ -540,7 +545,8 @@ impl Walk {
             self.hold,
             &mut purses.steps,
         );
-        if !self.covers(state, &plan.goal) {
+        let way_m = advance::measure_ways(state, self.body, &track(&self.at, &plan.goal));
+        if !self.covers(state, &plan.goal, way_m) {
             if !self.pays_for_pairs(state, &mut purses.units) {
                 return Ok(Next::Done);
             }
@@ -556,22 +562,22 @@ impl Walk {
                 return Ok(Next::Done);
             }
         }
-        Ok(self.sweep(state, &plan, &mut purses.units))
+        if plan.bent && way_m < STILL_M {
+            return Ok(Next::Done);
+        }
+        Ok(self.sweep(state, &plan, way_m, &mut purses.units))
     }
 
-    /// Walks a planned leg as far as it is clear and worth a step.
-    fn sweep(&mut self, state: &mut State, plan: &Plan, purse: &mut Purse) -> Next {
+    /// Walks a planned leg, on which no piece goes farther than `way_m`, as far as it is clear and worth a step.
+    fn sweep(&mut self, state: &mut State, plan: &Plan, way_m: f32, purse: &mut Purse) -> Next {
         let leg = track(&self.at, &plan.goal);
-        let way = advance::measure_ways(state, self.body, &leg);
-        if plan.bent && way < STILL_M {
-            return Next::Done;
-        }
         let mut swept = advance::run(state, self.pairs, &leg, purse);
         if has_chains(state, self.body) {
             swept.reached = reach::within_cones(state, self.body, self.at.leg, swept.reached);
         }
-        let taken = swept.reached >= 1.0 || swept.reached * way >= STILL_M;
+        let taken = swept.reached >= 1.0 || swept.reached * way_m >= STILL_M;
         if taken {
+            self.covered.gone_m += way_m;
             let share = plan.share;
             self.at = push_leg(state, self.body, &self.at, &plan.goal, swept.reached, share);
         }
@@ -669,7 +675,7 @@ fn hand_over(state: &mut State, body: usize, leg: usize, reached: f32) {
         chain = next_chain(state, index as usize);
     }
     if reached < 1.0 {
-        place_links(state, body, leg + 1, End::From);
+        place_links(state, body, leg + 1, End::From, Some(leg));
     }
     reach::stay(state, body, leg + 1);
 }
@@ -678,7 +684,13 @@ fn hand_over(state: &mut State, body: usize, leg: usize, reached: f32) {
 struct Cover {
     low: Vec3,
     high: Vec3,
+    /// How far pieces may have gone since the pairs were collected, in metres.
+    gone_m: f32,
 }
+
+/// Pieces that went no farther than this, in metres, are within the boxes that were paired, which begin around
+/// them: the margin, less what rounding may lose.
+const COVERED_M: f32 = 0.9 * PAIR_MARGIN_M;
 
 impl Cover {
     fn between(at: &Position, goal: &Position) -> Self {
@@ -686,7 +698,13 @@ impl Cover {
         Self {
             low: math::min_each(from, to) - Vec3::splat(PAIR_MARGIN_M),
             high: math::max_each(from, to) + Vec3::splat(PAIR_MARGIN_M),
+            gone_m: 0.0,
         }
+    }
+
+    /// Whether the boxes that were paired hold the pieces wherever they go by so much from where they are.
+    fn reaches(&self, way_m: f32) -> bool {
+        self.gone_m + way_m <= COVERED_M
     }
 
     /// Whether the boxes that were paired hold this way too: turn and local poses lie between those

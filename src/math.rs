@@ -52,6 +52,13 @@ pub fn cos(x: f32) -> f32 {
     libm::cosf(x)
 }
 
+/// Sine and cosine of an angle in radians: those of [`sin`] and [`cos`], to the bit.
+#[inline]
+#[must_use]
+pub fn sin_cos(x: f32) -> (f32, f32) {
+    libm::sincosf(x)
+}
+
 /// The angle of the vector (x, y) in radians, in (-pi, pi].
 #[inline]
 #[must_use]

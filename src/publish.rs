@@ -1,15 +1,18 @@
 //! Publish: poses for the host to draw.
 
+use core::ops::Range;
+
+use glam::Vec3;
+
 use crate::geometry::linkage::angle_at;
 use crate::geometry::motion::interpolate;
 use crate::math::{self, Pose, displacement_of};
 use crate::state::State;
 use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, is_body_of, is_loose};
-use crate::state::chains::{ChainOptions, has_chains, joints_of, linkage, next_chain, slot_range};
+use crate::state::chains::{ChainOptions, joints_of, next_chain, slot_range};
 use crate::state::islands::NONE;
-use crate::state::pieces::{Bounds, PiecesOf};
-use crate::state::ways::{Position, comes_to};
-use glam::Vec3;
+use crate::state::pieces::Bounds;
+use crate::state::ways::{Position, comes_before, comes_to, is_before};
 
 /// Writes the published poses of everything that moved.
 pub(crate) fn run(state: &mut State, dt_s: f32) {
@@ -44,85 +47,127 @@ fn report_reaction(state: &mut State, body: usize, dt_s: f32) {
 fn publish_driven(state: &mut State, body: usize) {
     let reached = comes_to(state, body);
     if let Some(reached) = &reached {
+        let root_moves = state.bodies.pose[body] != reached.root;
         state.bodies.pose[body] = reached.root;
-        move_locals(state, body, reached.local);
-        if has_chains(state, body) {
-            move_links(state, body, reached);
-        }
-        place_pieces(state, body);
+        move_links(state, body, reached, root_moves);
+        move_pieces(state, body, reached.local, root_moves);
     }
     settle(state, body, reached.is_some());
     settle_chains(state, body);
 }
 
-/// Moves the published local poses by a share of their way to the targets.
-fn move_locals(state: &mut State, body: usize, share: f32) {
-    let first = state.bodies.first_piece[body];
-    let pieces = &mut state.pieces;
-    for piece in PiecesOf::new(pieces.next, first) {
-        pieces.local[piece] = interpolate(&pieces.local[piece], &pieces.local_target[piece], share);
-    }
-}
-
-/// Publishes the angles that a driven body has where it came to.
-fn move_links(state: &mut State, body: usize, reached: &Position) {
+/// Publishes the angles that a driven body has where it came to, and the links that they or the root moved.
+/// Notes the first joint of each chain whose link moved in the body's frame.
+fn move_links(state: &mut State, body: usize, reached: &Position, root_moves: bool) {
     let slot = slot_range(state, reached.leg).start;
     let mut chain = state.bodies.first_chain[body];
     while let Some(index) = chain.checked_sub(1) {
-        for joint in joints_of(state, index as usize) {
-            let (from, to) = (state.ways.from[slot + joint], state.ways.to[slot + joint]);
-            state.joints.angle[joint] = angle_at(from, to, reached.share);
+        let index = index as usize;
+        let joints = joints_of(state, index);
+        let angles = &mut state.joints.angle[joints.clone()];
+        let ways = [&*state.ways.from, &*state.ways.to].map(|way| &way[slot..][joints.clone()]);
+        let mut first = joints.end;
+        for (place, angle) in angles.iter_mut().enumerate().rev() {
+            let reached = angle_at(ways[0][place], ways[1][place], reached.share);
+            if angle.to_bits() != reached.to_bits() {
+                first = joints.start + place;
+            }
+            *angle = reached;
         }
-        chain = next_chain(state, index as usize);
+        if state.chains.base[index]
+            .checked_sub(1)
+            .is_some_and(|joint| !is_before(state, joint as usize, state.ways.leaves))
+        {
+            first = joints.start;
+        }
+        state.ways.leaves[index] = first as u32;
+        if reached.share >= 1.0 {
+            let links = &state.ways.to_link[slot..][first..joints.end];
+            state.joints.link[first..joints.end].copy_from_slice(links);
+        } else {
+            place_chain(state, first..joints.end);
+        }
+        let from = if root_moves { joints.start } else { first };
+        place_chain_in_world(state, body, from..joints.end);
+        chain = next_chain(state, index);
     }
-    place_published_links(state, body);
+}
+
+/// Publishes the pieces that their link, the root or their way to their target local poses moved, by a share of
+/// that way.
+fn move_pieces(state: &mut State, body: usize, share: f32, root_moves: bool) {
+    let mut next = state.bodies.first_piece[body];
+    while let Some(piece) = next.checked_sub(1) {
+        let piece = piece as usize;
+        next = state.pieces.next[piece];
+        let pieces = &mut state.pieces;
+        let (before, target) = (pieces.local[piece], pieces.local_target[piece]);
+        let local_moves = before != target;
+        if local_moves {
+            pieces.local[piece] = interpolate(&before, &target, share);
+        }
+        if root_moves || local_moves || !comes_before(state, piece, state.ways.leaves) {
+            place_piece(state, body, piece);
+        }
+    }
 }
 
 /// Recomputes the links of a body from its published angles.
 pub(crate) fn place_published_links(state: &mut State, body: usize) {
     let mut chain = state.bodies.first_chain[body];
     while let Some(index) = chain.checked_sub(1) {
-        for joint in joints_of(state, index as usize) {
-            let behind = linkage(state).behind(joint, state.joints.angle[joint]);
-            let link = match state.joints.parent[joint].checked_sub(1) {
-                Some(parent) => state.joints.link[parent as usize].then(&behind),
-                None => behind,
-            };
-            state.joints.link[joint] =
-                Pose::new(math::renormalised(link.quat()), link.translation());
-        }
+        let joints = joints_of(state, index as usize);
+        place_chain(state, joints);
         chain = next_chain(state, index as usize);
     }
 }
 
-fn place_links_in_world(state: &mut State, body: usize) {
+/// Recomputes links of a chain, the last of its joints, from its published angles.
+fn place_chain(state: &mut State, joints: Range<usize>) {
+    for joint in joints {
+        let joints = &mut state.joints;
+        let parent = joints.parent[joint].checked_sub(1);
+        let base = parent.map_or(Pose::IDENTITY, |parent| joints.link[parent as usize]);
+        joints.link[joint] = joints.hinge[joint].placed(&base, joints.angle[joint]);
+    }
+}
+
+fn place_chain_in_world(state: &mut State, body: usize, joints: Range<usize>) {
     let pose = state.bodies.pose[body];
-    let mut chain = state.bodies.first_chain[body];
-    while let Some(index) = chain.checked_sub(1) {
-        for joint in joints_of(state, index as usize) {
-            state.joints.world[joint] = pose.then(&state.joints.link[joint]);
-        }
-        chain = next_chain(state, index as usize);
+    for joint in joints {
+        state.joints.world[joint] = pose.then(&state.joints.link[joint]);
     }
 }
 
 /// Recomputes the world poses of a body's links, and the poses and boxes of its pieces.
 pub(crate) fn place_pieces(state: &mut State, body: usize) {
-    let pose = state.bodies.pose[body];
-    let skeleton = has_chains(state, body);
-    if skeleton {
-        place_links_in_world(state, body);
+    let mut chain = state.bodies.first_chain[body];
+    while let Some(index) = chain.checked_sub(1) {
+        let joints = joints_of(state, index as usize);
+        place_chain_in_world(state, body, joints);
+        chain = next_chain(state, index as usize);
     }
-    let first = state.bodies.first_piece[body];
+    let mut next = state.bodies.first_piece[body];
+    while let Some(piece) = next.checked_sub(1) {
+        place_piece(state, body, piece as usize);
+        next = state.pieces.next[piece as usize];
+    }
+}
+
+fn place_piece(state: &mut State, body: usize, piece: usize) {
     let (pieces, joints) = (&mut state.pieces, &state.joints);
-    for piece in PiecesOf::new(pieces.next, first) {
-        let world = if skeleton && pieces.link[piece] != 0 {
-            joints.world[pieces.link[piece] as usize - 1].then(&pieces.local[piece])
-        } else {
-            pose.then(&pieces.local[piece])
-        };
-        pieces.world[piece] = world;
-        pieces.bounds[piece] = Bounds::of(&pieces.shape[piece], &world);
+    let shape = &pieces.shape[piece];
+    let local = &pieces.local[piece];
+    let link = pieces.link[piece].checked_sub(1);
+    let world = match link {
+        Some(joint) => joints.world[joint as usize].then(local),
+        None => state.bodies.pose[body].then(local),
+    };
+    pieces.world[piece] = world;
+    pieces.bounds[piece] = Bounds::of(shape, &world);
+    if state.bodies.first_chain[body] != 0 {
+        let own = link.map_or(*local, |joint| joints.link[joint as usize].then(local));
+        pieces.own_bounds[piece] = Bounds::of(shape, &own);
     }
 }
 
@@ -131,12 +176,17 @@ fn settle_chains(state: &mut State, body: usize) {
     let mut chain = state.bodies.first_chain[body];
     while let Some(index) = chain.checked_sub(1) {
         let index = index as usize;
+        let range = joints_of(state, index);
+        let joints = &mut state.joints;
+        let known = joints.angle[range.clone()]
+            .iter()
+            .zip(&joints.target[range.clone()])
+            .zip(&state.ways.wanted[range.clone()]);
         let mut most = 0.0;
-        for joint in joints_of(state, index) {
-            let joints = &mut state.joints;
-            let deviation = joints.angle[joint] - joints.target[joint];
-            if joints.angle[joint] != state.ways.wanted[joint] {
-                joints.deviation[joint] = deviation;
+        for (kept, ((angle, target), wanted)) in joints.deviation[range].iter_mut().zip(known) {
+            let deviation = angle - target;
+            if angle != wanted {
+                *kept = deviation;
             }
             most = math::max(most, deviation.abs());
         }

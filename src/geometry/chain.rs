@@ -39,6 +39,21 @@ impl Hinge {
         let turn = turn_about(self.axis, angle_rad);
         Pose::new(self.rest.quat() * turn, self.rest.translation())
     }
+
+    /// The same in the frame of what `base` is given in, its orientation of unit length to rounding: the second
+    /// and the third hinge of a ball rest where the one before them is, which costs nothing.
+    #[inline]
+    pub(crate) fn placed(&self, base: &Pose, angle_rad: f32) -> Pose {
+        let turn = turn_about(self.axis, angle_rad);
+        let (mut rotation, mut place) = (base.quat(), base.translation());
+        if self.rest.position != [0.0; 3] {
+            place += rotation * self.rest.translation();
+        }
+        if self.rest.rotation != Pose::IDENTITY.rotation {
+            rotation *= self.rest.quat();
+        }
+        Pose::new(math::renormalised(rotation * turn), place)
+    }
 }
 
 /// The reach cone of a ball joint: three hinges in one place with the axes X, Y and Z of one frame, the
@@ -195,8 +210,7 @@ impl Ball {
     /// Derivatives of the limb by the first two angles.
     pub(crate) fn limb_slopes(&self, angles: &[f32]) -> [Vec3; 2] {
         let [a, b, _] = self.own(angles).unwrap_or_default();
-        let (sin_a, cos_a) = (math::sin(a), math::cos(a));
-        let (sin_b, cos_b) = (math::sin(b), math::cos(b));
+        let ((sin_a, cos_a), (sin_b, cos_b)) = (math::sin_cos(a), math::sin_cos(b));
         [
             Vec3::new(0.0, -cos_a * cos_b, -sin_a * cos_b),
             Vec3::new(cos_b, sin_a * sin_b, -cos_a * sin_b),
@@ -262,8 +276,8 @@ const ALTERNATIONS_MAX: u32 = 8;
 /// The limb of a ball joint with these angles of its first two hinges, in the first one's rest frame.
 #[must_use]
 pub fn limb_at(a: f32, b: f32) -> Vec3 {
-    let across = math::cos(b);
-    Vec3::new(math::sin(b), -math::sin(a) * across, math::cos(a) * across)
+    let ((sin_a, cos_a), (sin_b, across)) = (math::sin_cos(a), math::sin_cos(b));
+    Vec3::new(sin_b, -sin_a * across, cos_a * across)
 }
 
 /// The angle that differs from `angle` by whole turns and is within half a turn of `near`.
@@ -299,25 +313,22 @@ pub type Posture = ArrayVec<Placed, CHAIN_HINGES_MAX>;
 #[must_use]
 pub fn posture(hinges: &[Hinge], root: &Pose, angles: &[f32]) -> Posture {
     let mut link = *root;
-    hinges
-        .iter()
-        .zip(angles)
-        .take(CHAIN_HINGES_MAX)
-        .map(|(hinge, &angle)| {
-            let behind = link.then(&hinge.behind(angle));
-            link = Pose::new(math::renormalised(behind.quat()), behind.translation());
-            Placed {
-                origin: link.translation(),
-                axis: link.quat() * hinge.axis,
-                link,
-            }
-        })
-        .collect()
+    let mut placed = Posture::new();
+    for (hinge, &angle) in hinges.iter().zip(angles).take(CHAIN_HINGES_MAX) {
+        link = hinge.placed(&link, angle);
+        placed.push(Placed {
+            origin: link.translation(),
+            axis: link.quat() * hinge.axis,
+            link,
+        });
+    }
+    placed
 }
 
 fn turn_about(axis: Vec3, angle: f32) -> Quat {
-    let v = axis * math::sin(0.5 * angle);
-    Quat::from_xyzw(v.x, v.y, v.z, math::cos(0.5 * angle))
+    let (sine, cosine) = math::sin_cos(0.5 * angle);
+    let v = axis * sine;
+    Quat::from_xyzw(v.x, v.y, v.z, cosine)
 }
 
 /// One joint as a chain is made from it.

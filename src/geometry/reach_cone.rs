@@ -142,18 +142,23 @@ impl ReachCone {
 
     /// Whether a direction of any length is allowed; the boundary is, up to rounding.
     ///
-    /// Cost: three products an edge at most.
+    /// Cost: one product a corner, and three more.
     #[must_use]
     pub fn contains(&self, limb: Vec3) -> bool {
+        let Some((&last, _)) = self.corners().split_last() else {
+            return false;
+        };
         let (limb, visible) = (limb.as_dvec3(), self.visible.as_dvec3());
-        for index in 0..self.count() {
-            let (a, b) = self.edge(index);
-            // Products of f32 are exact in f64: edges of a milliradian are as sharp as long ones.
-            let (a, b) = (a.as_dvec3(), b.as_dvec3());
-            let in_lune = limb.dot(visible.cross(a)) >= 0.0 && limb.dot(b.cross(visible)) >= 0.0;
-            if in_lune {
-                return limb.dot(a.cross(b)) >= 0.0;
+        // On which side of the line of sight to a corner the limb is: limb . (visible x corner).
+        let across = limb.cross(visible);
+        let (mut a, mut above_a) = (last, across.dot(last.as_dvec3()));
+        for &b in self.corners() {
+            let above_b = across.dot(b.as_dvec3());
+            if above_a >= 0.0 && above_b <= 0.0 {
+                // Products of f32 are exact in f64: edges of a milliradian are as sharp as long ones.
+                return limb.dot(a.as_dvec3().cross(b.as_dvec3())) >= 0.0;
             }
+            (a, above_a) = (b, above_b);
         }
         false
     }

@@ -77,21 +77,23 @@ impl MovingPair<'_> {
         let pose_a = self.motion_a.at(time);
         let pose_b = self.motion_b.at(time);
         let found = separation_from(&self.a, &self.b, &pose_a, &pose_b, feature, accuracy);
-        let floor_m = math::min(floor_m, found.gap_m);
         Clearance {
             normal: found.normal,
             gap_m: found.gap_m,
             point: 0.5 * (found.point_a + found.point_b),
-            clear_until: self.furthest(time, found.gap_m, floor_m, found.normal),
+            clear_until: self.clear_from(time, floor_m, found.normal, found.gap_m),
         }
     }
 
-    /// How long the pair is certainly clear of `floor_m` whose gap along `normal` is `gap_m` at `time`, and no
-    /// less than that floor.
+    /// The same where the gap at `time` and its normal are known.
     ///
     /// Cost: two support queries, unless the gap is wide for how fast it closes.
     #[must_use]
-    pub fn furthest(&self, time: f32, gap_m: f32, floor_m: f32, normal: Vec3) -> f32 {
+    pub fn clear_from(&self, time: f32, floor_m: f32, normal: Vec3, gap_m: f32) -> f32 {
+        self.furthest(time, gap_m, math::min(floor_m, gap_m), normal)
+    }
+
+    fn furthest(&self, time: f32, gap_m: f32, floor_m: f32, normal: Vec3) -> f32 {
         let approach = self.approach(normal, time);
         let slack = gap_m - floor_m;
         let reach = time + slack / math::max(approach, 1e-30);

@@ -359,8 +359,7 @@ fn lasts(state: &mut State, pair: &Pair, stretch: &Stretch, purse: &mut Purse) -
     if pair.measured == 0 || !purse.take_parts(PLANES_PARTS) {
         return math::clamp(slack / math::max(closing, 1e-30), 0.0, 1.0);
     }
-    let floor = math::min(floor, pair.gap);
-    moving_pair(state, pair, stretch).furthest(0.0, pair.gap, floor, pair.normal)
+    moving_pair(state, pair, stretch).clear_from(0.0, floor, pair.normal, pair.gap)
 }
 
 /// Whether a loose body moves towards a driven one of another island, which may yet stop anywhere on its way.

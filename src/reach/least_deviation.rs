@@ -32,6 +32,7 @@ pub use program::PASSES_MAX;
 use arrayvec::ArrayVec;
 
 use super::goal::{Angles, Goal, Levers, Reached, Task};
+use crate::geometry::chain::Posture;
 use crate::limits::{CHAIN_GOALS_MAX, CHAIN_HINGES_MAX};
 use crate::math;
 use alone::turned_alone;
@@ -79,17 +80,23 @@ const STALL_STEPS: u32 = 4;
 /// at most six forward kinematics; near the goals it is one solution and one forward kinematics. With all
 /// goals met at the tracked angles no step is taken. Fewer than six steps left mean no restart.
 pub fn least_deviation(task: &Task, angles: &mut [f32], steps: u32) -> Reached {
-    least_deviation_paid(task, angles, steps, &mut || true)
+    least_deviation_paid(task, angles, steps, None, &mut || true).0
 }
 
-/// The same, with every step paid for; it ends where paying is refused, and is no different before.
-pub(super) fn least_deviation_paid(
+/// The same, with every step paid for; it ends where paying is refused, and is no different before. Where the
+/// angles take the links may be known, and is told.
+pub(crate) fn least_deviation_paid(
     task: &Task,
     angles: &mut [f32],
     steps: u32,
+    known: Option<&Posture>,
     pay: &mut dyn FnMut() -> bool,
-) -> Reached {
-    let mut best = Spot::new(task, task.start(angles));
+) -> (Reached, Posture) {
+    let start = task.start(angles);
+    let mut best = match known {
+        Some(placed) if start[..] == *angles => Spot::at(task, start, placed.clone()),
+        _ => Spot::new(task, start),
+    };
     let mut used = 0;
     if !(best.is_met && best.cost == 0.0) {
         used = descend(task, &mut best, steps, false, pay);
@@ -112,10 +119,11 @@ pub(super) fn least_deviation_paid(
     for (angle, &found) in angles.iter_mut().zip(&best.q) {
         *angle = found;
     }
-    Reached {
+    let reached = Reached {
         steps: used,
         missed_m: best.missed_m,
-    }
+    };
+    (reached, best.placed)
 }
 
 /// Steps from a spot until nothing is gained; how many there were. Unless it is `patient`, it ends where
@@ -210,7 +218,8 @@ fn step_of<const W: usize>(
     let levers: ArrayVec<Levers, CHAIN_GOALS_MAX> = points
         .map(|beside| beside[0].levers(&spot.placed))
         .collect();
-    let mut program = Program::<W>::new(task, spot, &levers, restores, damping);
+    let mut program = Program::<W>::at(spot);
+    program.linearise(task, spot, &levers, restores, damping);
     program.solve(task);
     // What goals that have to be met exactly press with far from them is not what they press with there.
     let along = restores || asks_exactly(task);

@@ -7,7 +7,7 @@ use super::cyclic_descent::cyclic_descent_paid;
 use super::goal::{Goal, Reached, Task};
 use super::least_deviation::least_deviation_paid;
 use super::root::{HalfSpaces, add, nearest_outside};
-use super::skeleton::goes_with_root;
+use super::skeleton::{SWING_M, goes_with_root};
 use super::touch::{Goals, Place, Touches, deepest_m};
 use crate::geometry::chain::{Ball, Posture, posture};
 use crate::geometry::linkage::angle_at;
@@ -89,6 +89,9 @@ pub(super) fn solve(
     } else {
         place.touches(state, limb.pairs)
     };
+    if touches.is_empty() && is_proposed(state, limb) {
+        return Solved::default();
+    }
     let from: Angles = state.ways.from[slot..][joints.clone()]
         .iter()
         .copied()
@@ -117,9 +120,23 @@ pub(super) fn solve(
     let is_placed = *proposed == angles[..] && state.chains.base[limb.chain] == 0;
     if !is_placed {
         proposed.copy_from_slice(&angles);
-        place_chain(state, limb.chain, limb.at.leg, End::To);
+        place_chain(state, limb.chain, limb.at.leg, End::To, Some(limb.at.leg));
     }
     solved
+}
+
+/// Whether a chain that touches nothing has its angles at the end of the leg, and its links there, already.
+fn is_proposed(state: &State, limb: &Limb) -> bool {
+    let joints = joints_of(state, limb.chain);
+    let slot = slot_range(state, limb.at.leg).start;
+    let wanted = if state.ways.held[limb.chain] == 0 {
+        &state.ways.wanted[joints.clone()]
+    } else {
+        &state.ways.from[slot..][joints.clone()]
+    };
+    limb.share == 1.0
+        && state.chains.base[limb.chain] == 0
+        && state.ways.to[slot..][joints] == *wanted
 }
 
 /// A chain's task while it is put together.
@@ -272,7 +289,7 @@ impl<'p> Problem<'p> {
             let solved = self.swing(state, from, self.wanted, [&start, &wanted]);
             return (self.wanted.clone(), solved);
         }
-        let (angles, posture, mut reached) = self.rounds(state, from, steps);
+        let (angles, posture, mut reached) = self.rounds(state, from, &start, steps);
         if state.chains.report[self.limb.chain].flags & ChainReport::CUT != 0 {
             // A chain that was cut asks nothing of the root: it goes on in the next frame.
             reached = 0.0;
@@ -286,12 +303,13 @@ impl<'p> Problem<'p> {
         (angles, solved)
     }
 
-    /// Solves, looks for lower points, and solves again; the angles, where they take the links and what is
-    /// missed there.
+    /// Solves, looks for lower points, and solves again, from angles that take the links to `start`; the angles,
+    /// where they take the links and what is missed there.
     fn rounds(
         &mut self,
         state: &mut State,
         from: &Angles,
+        start: &Posture,
         steps: &mut Purse,
     ) -> (Angles, Posture, f32) {
         let chain = self.limb.chain;
@@ -301,7 +319,7 @@ impl<'p> Problem<'p> {
         } else {
             from.clone()
         };
-        let (mut posture, mut missed_m) = (Posture::new(), 0.0);
+        let (mut posture, mut missed_m) = (start.clone(), 0.0);
         for _ in 0..ROUNDS {
             let most = REACH_STEPS_PER_LEG_MAX;
             let mut refused = false;
@@ -311,19 +329,21 @@ impl<'p> Problem<'p> {
                 paid
             };
             let task = self.task(state);
-            let found = if descends {
-                cyclic_descent_paid(&task, &mut angles, most, &mut pay)
+            let found;
+            if descends {
+                found = cyclic_descent_paid(&task, &mut angles, most, &mut pay);
+                posture = self.posture(state, &angles);
             } else if self.soft == 0 {
-                least_deviation_paid(&task, &mut angles, most, &mut pay)
+                (found, posture) =
+                    least_deviation_paid(&task, &mut angles, most, Some(&posture), &mut pay);
             } else {
-                slid(&task, self.soft, &mut angles, most, &mut pay)
-            };
+                (found, posture) = slid(&task, self.soft, &mut angles, most, &posture, &mut pay);
+            }
             state.chains.report[chain].steps += found.steps;
             if refused {
                 state.chains.report[chain].flags |= ChainReport::CUT;
             }
             missed_m = found.missed_m;
-            posture = self.posture(state, &angles);
             self.project_tip(&posture);
             if !self.look(state, &posture) || deepest_m(&self.goals, &posture) <= TOLERANCE_M {
                 break;
@@ -354,7 +374,11 @@ impl<'p> Problem<'p> {
     }
 
     /// How far the goals' points swing toward their planes half way, compared to the links at both ends.
+    /// Where that is certain to be no more than a leg may have, it is not looked at.
     fn swing(&self, state: &State, from: &Angles, to: &Angles, ends: [&Posture; 2]) -> Solved {
+        if self.sag_m(state, from, to) <= SWING_M {
+            return Solved::default();
+        }
         let middle: Angles = from.iter().zip(to).map(|(a, b)| 0.5 * (a + b)).collect();
         let middle = self.posture(state, &middle);
         let swing_m = self.goals[self.soft..].iter().fold(0.0, |most, goal| {
@@ -365,6 +389,25 @@ impl<'p> Problem<'p> {
             bent: false,
             swing_m,
         }
+    }
+
+    /// A bound of how far a goal's point is half way from the middle of its straight way: an eighth of its largest
+    /// acceleration, which is as in [`crate::geometry::linkage`].
+    fn sag_m(&self, state: &State, from: &Angles, to: &Angles) -> f32 {
+        let reach_squared = self.goals[self.soft..].iter();
+        let reach_squared = reach_squared.map(|goal| goal.point.length_squared());
+        let mut arm = math::sqrt(reach_squared.fold(0.0, math::max));
+        let rate = |index: usize| (from[index] - to[index]).abs();
+        let mut before: f32 = (0..from.len()).map(rate).sum();
+        let (mut speed, mut acceleration) = (0.0, 0.0);
+        for index in (0..from.len()).rev() {
+            let w = rate(index);
+            before = math::max(before - w, 0.0);
+            speed += w * arm;
+            acceleration += w * (2.0 * before * arm + speed);
+            arm += state.joints.length[self.place.first_joint + index];
+        }
+        0.125 * acceleration
     }
 
     /// Whether no point of the chain would move by as much as is worth a step.
@@ -384,24 +427,28 @@ fn slid(
     soft: usize,
     angles: &mut Angles,
     steps: u32,
+    known: &Posture,
     pay: &mut dyn FnMut() -> bool,
-) -> Reached {
+) -> (Reached, Posture) {
     let loose = Task {
         tolerance_m: SLIDING_M,
         ..*task
     };
-    let first = least_deviation_paid(&loose, angles, steps.min(SLIDING_STEPS), pay);
+    let most = steps.min(SLIDING_STEPS);
+    let (first, posture) = least_deviation_paid(&loose, angles, most, Some(known), pay);
     let wanted = angles.clone();
     let tight = Task {
         wanted: &wanted,
         goals: &task.goals[soft..],
         ..*task
     };
-    let second = least_deviation_paid(&tight, angles, steps - first.steps.min(steps), pay);
-    Reached {
+    let most = steps - first.steps.min(steps);
+    let (second, posture) = least_deviation_paid(&tight, angles, most, Some(&posture), pay);
+    let reached = Reached {
         steps: first.steps + second.steps,
         missed_m: second.missed_m,
-    }
+    };
+    (reached, posture)
 }
 
 const _: () = assert!(super::touch::TOUCHES_MAX + 3 < CHAIN_GOALS_MAX);

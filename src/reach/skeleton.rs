@@ -22,7 +22,7 @@ use crate::state::ways::{Position, is_own};
 
 /// How far a chain may swing toward its contact planes between the ends of a leg, in metres: what the
 /// rest gap leaves above the floor, less a part for what linear bounds lose.
-const SWING_M: f32 = 0.6 * (GAP_REST_M - GAP_FLOOR_M);
+pub(super) const SWING_M: f32 = 0.6 * (GAP_REST_M - GAP_FLOOR_M);
 
 /// Shortest part of the wanted way that a leg is planned for.
 const SHARE_MIN: f32 = 0.05;
@@ -35,13 +35,13 @@ pub(super) fn goes_with_root(state: &State, chain: usize) -> bool {
 /// Sets the angles at the end of a leg to the wanted ones.
 pub(crate) fn propose(state: &mut State, body: usize, leg: usize) {
     set_wanted(state, body, leg);
-    place_links(state, body, leg, End::To);
+    place_links(state, body, leg, End::To, Some(leg));
 }
 
 /// The same for a leg whose links were placed in this frame: where no angle changes they stay.
 fn propose_again(state: &mut State, body: usize, leg: usize) {
     if set_wanted(state, body, leg) {
-        place_links(state, body, leg, End::To);
+        place_links(state, body, leg, End::To, Some(leg));
     }
 }
 
@@ -119,8 +119,8 @@ pub(crate) fn bend_into_cones(state: &mut State, body: usize, at: &Position, leg
             state.ways.to[into + joint] = angle;
         }
     }
-    place_links(state, body, leg, End::From);
-    place_links(state, body, leg, End::To);
+    place_links(state, body, leg, End::From, None);
+    place_links(state, body, leg, End::To, Some(leg));
     all
 }
 

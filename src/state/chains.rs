@@ -160,6 +160,8 @@ columns! {
         parent: [u32; capacities.joints],
         /// Length of the hinge's rest translation.
         length: [f32; capacities.joints],
+        /// The farthest that the hinge can be from the root: the sum of the lengths from there to it.
+        arm: [f32; capacities.joints],
         chain: [u32; capacities.joints],
         /// One for the first of a ball's three.
         ball: [u32; capacities.joints],
@@ -197,6 +199,10 @@ columns! {
         held: [u32; capacities.chains],
         /// Where the tip of a chain is wanted, in the world.
         tip: [Vec3; capacities.chains],
+        /// The first joint of each chain that does not rest on a leg, and the first that does not rest where it
+        /// was published; the joint behind the chain's last when there is none.
+        turns: [u32; capacities.chains],
+        leaves: [u32; capacities.chains],
         /// Boxes of pieces in their body's frame that were paired with each other.
         swept: [Bounds; capacities.pieces],
     }
@@ -265,6 +271,7 @@ impl State<'_> {
         close(joints.hinge, &gone, used);
         close(joints.parent, &gone, used);
         close(joints.length, &gone, used);
+        close(joints.arm, &gone, used);
         close(joints.chain, &gone, used);
         close(joints.ball, &gone, used);
         close(joints.angle, &gone, used);
@@ -330,33 +337,68 @@ pub(crate) enum End {
     To,
 }
 
-/// Computes the links of a body for the angles at one end of a leg.
-pub(crate) fn place_links(state: &mut State, body: usize, leg: usize, end: End) {
+/// Computes the links of a body for the angles at one end of a leg. Those at the other end of the leg `like` are
+/// placed: see [`place_chain`].
+pub(crate) fn place_links(
+    state: &mut State,
+    body: usize,
+    leg: usize,
+    end: End,
+    like: Option<usize>,
+) {
     let mut next = state.bodies.first_chain[body];
     while let Some(chain) = next.checked_sub(1) {
-        place_chain(state, chain as usize, leg, end);
+        place_chain(state, chain as usize, leg, end, like);
         next = next_chain(state, chain as usize);
     }
 }
 
-/// Computes the links of a chain whose base is placed.
-pub(crate) fn place_chain(state: &mut State, chain: usize, leg: usize, end: End) {
-    let first = slot_range(state, leg).start;
-    for joint in joints_of(state, chain) {
-        let at = first + joint;
-        let parent = state.joints.parent[joint].checked_sub(1);
-        let under = parent.map(|parent| first + parent as usize);
-        let ways = &state.ways;
-        let (angle, base) = match end {
-            End::From => (ways.from[at], under.map(|under| ways.from_link[under])),
-            End::To => (ways.to[at], under.map(|under| ways.to_link[under])),
+/// Computes the links of a chain whose base is placed. Up to the first joint whose angle is another than at the
+/// other end of the leg `like`, where links are placed, they are the same.
+pub(crate) fn place_chain(
+    state: &mut State,
+    chain: usize,
+    leg: usize,
+    end: End,
+    like: Option<usize>,
+) {
+    let slot = slot_range(state, leg).start;
+    let like = like.map(|like| slot_range(state, like).start);
+    let joints = joints_of(state, chain);
+    let first = like.map_or(joints.start, |like| {
+        copy_links(state, chain, slot, end, like)
+    });
+    for joint in first..joints.end {
+        let (joints, ways) = (&state.joints, &mut state.ways);
+        let (angles, links) = match end {
+            End::From => (&*ways.from, &mut *ways.from_link),
+            End::To => (&*ways.to, &mut *ways.to_link),
         };
-        let behind = linkage(state).behind(joint, angle);
-        let link = base.map_or(behind, |base| base.then(&behind));
-        let link = Pose::new(crate::math::renormalised(link.quat()), link.translation());
-        match end {
-            End::From => state.ways.from_link[at] = link,
-            End::To => state.ways.to_link[at] = link,
-        }
+        let parent = joints.parent[joint].checked_sub(1);
+        let base = parent.map_or(Pose::IDENTITY, |parent| links[slot + parent as usize]);
+        links[slot + joint] = joints.hinge[joint].placed(&base, angles[slot + joint]);
     }
+}
+
+/// Copies the links that are the same at the other end of another leg; the first joint that is not.
+fn copy_links(state: &mut State, chain: usize, slot: usize, end: End, like: usize) -> usize {
+    let joints = joints_of(state, chain);
+    let base = state.chains.base[chain].checked_sub(1);
+    let ways = &mut state.ways;
+    let (angles, links, known, known_links) = match end {
+        End::From => (&*ways.from, &mut *ways.from_link, &*ways.to, &*ways.to_link),
+        End::To => (&*ways.to, &mut *ways.to_link, &*ways.from, &*ways.from_link),
+    };
+    if let Some(base) = base
+        && links[slot + base as usize] != known_links[like + base as usize]
+    {
+        return joints.start;
+    }
+    for joint in joints.clone() {
+        if angles[slot + joint] != known[like + joint] {
+            return joint;
+        }
+        links[slot + joint] = known_links[like + joint];
+    }
+    joints.end
 }

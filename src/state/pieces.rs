@@ -4,6 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use crate::geometry::convex::{Convex, Edge, Face, Lane};
+use crate::geometry::warm::WarmFeature;
 use crate::math::{self, Pose};
 use crate::memory::columns::columns;
 use crate::memory::ids::PieceId;
@@ -133,6 +134,14 @@ impl Bounds {
     }
 }
 
+/// Where the last search between a driven piece and one that it touched ended, for the next one to begin there.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct Touched {
+    pub other: PieceId,
+    pub feature: WarmFeature,
+}
+
 columns! {
     /// One entry for every piece slot.
     pub(crate) struct Pieces(capacities) {
@@ -158,6 +167,10 @@ columns! {
         world: [Pose; capacities.pieces],
         /// Box of the published pose in the world.
         bounds: [Bounds; capacities.pieces],
+        /// The same in the body's frame, for bodies with chains.
+        own_bounds: [Bounds; capacities.pieces],
+        /// The last piece that a driven piece touched.
+        touched: [Touched; capacities.pieces],
     }
 }
 

@@ -10,7 +10,7 @@ use crate::math::{self, Pose};
 use crate::memory::columns::columns;
 use crate::state::State;
 use crate::state::bodies::{BodyKind, DrivenReport};
-use crate::state::chains::{linkage, slot_range};
+use crate::state::chains::{joints_of, linkage, slot_range};
 use crate::state::contacts::Pair;
 use crate::state::pieces::Bounds;
 
@@ -275,27 +275,124 @@ pub(crate) fn piece_motion<'a>(state: &'a State, piece: usize, track: &BodyTrack
     }
 }
 
-/// Whether a piece stays where it is on a way. Cost: a comparison for each hinge from its link to the root.
-pub(crate) fn rests(state: &State, piece: usize, track: &BodyTrack) -> bool {
-    let pieces = &state.pieces;
-    let local_rests =
-        track.local_from == track.local_to || pieces.local[piece] == pieces.local_target[piece];
-    track.root.from == track.root.to
-        && local_rests
-        && link_rests(state, pieces.link[piece], track.leg)
+/// What of a body stays where it is on a way.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rests {
+    /// The root, and whether that is where it was published.
+    root: bool,
+    root_is_shown: bool,
+    /// All local poses, and whether those are the published ones.
+    locals: bool,
+    locals_are_shown: bool,
 }
 
-fn link_rests(state: &State, link: u32, leg: usize) -> bool {
-    let slot = slot_range(state, leg).start;
-    let mut next = link;
-    while let Some(joint) = next.checked_sub(1) {
-        let at = slot + joint as usize;
-        if state.ways.from[at] != state.ways.to[at] {
-            return false;
+impl Rests {
+    /// Looks at a way. Holds until angles or another way are looked at. Cost: two comparisons a joint.
+    pub(crate) fn on(state: &mut State, body: usize, track: &BodyTrack) -> Self {
+        let mut next = state.bodies.first_chain[body];
+        while let Some(chain) = next.checked_sub(1) {
+            let chain = chain as usize;
+            let [turns, leaves] = first_not_at_rest(state, chain, track.leg);
+            state.ways.turns[chain] = turns;
+            state.ways.leaves[chain] = leaves;
+            next = state.chains.next[chain];
         }
-        next = state.joints.parent[joint as usize];
+        let root = track.root.from == track.root.to;
+        let locals = track.local_from == track.local_to;
+        Self {
+            root,
+            root_is_shown: root && track.root.from == state.bodies.pose[body],
+            locals,
+            locals_are_shown: locals && track.local_from == 0.0,
+        }
     }
-    true
+
+    /// Whether a piece rests in the world.
+    pub(crate) fn piece(&self, state: &State, piece: usize) -> bool {
+        self.root && self.in_root(state, piece)
+    }
+
+    /// Whether the root rests where it was published.
+    pub(crate) const fn root_is_shown(&self) -> bool {
+        self.root_is_shown
+    }
+
+    /// Whether the root rests: what pieces do in the world they do in its frame.
+    pub(crate) const fn root(&self) -> bool {
+        self.root
+    }
+
+    /// Whether a piece's local pose rests.
+    pub(crate) fn local(&self, state: &State, piece: usize) -> bool {
+        self.locals || local_rests(state, piece)
+    }
+
+    /// Whether a piece rests as its body's root sees it.
+    pub(crate) fn in_root(&self, state: &State, piece: usize) -> bool {
+        self.local(state, piece) && comes_before(state, piece, state.ways.turns)
+    }
+
+    /// Whether a piece rests where it was published in the world.
+    pub(crate) fn where_shown(&self, state: &State, piece: usize) -> bool {
+        self.root_is_shown && self.where_shown_in_root(state, piece)
+    }
+
+    /// The same as its body's root sees it.
+    pub(crate) fn where_shown_in_root(&self, state: &State, piece: usize) -> bool {
+        (self.locals_are_shown || local_rests(state, piece))
+            && comes_before(state, piece, state.ways.leaves)
+    }
+}
+
+/// Whether a piece is on a link before the given joint of its chain.
+pub(crate) fn comes_before(state: &State, piece: usize, joints: &[u32]) -> bool {
+    let link = state.pieces.link[piece];
+    link.checked_sub(1)
+        .is_none_or(|joint| is_before(state, joint as usize, joints))
+}
+
+/// Whether a joint is before the given one of its chain.
+pub(crate) fn is_before(state: &State, joint: usize, joints: &[u32]) -> bool {
+    (joint as u32) < joints[state.joints.chain[joint] as usize]
+}
+
+fn local_rests(state: &State, piece: usize) -> bool {
+    state.pieces.local[piece] == state.pieces.local_target[piece]
+}
+
+/// The first joint of a chain whose link does not rest on a leg, and the first whose link does not rest where it
+/// was published; those of the chain that it hangs on are known.
+fn first_not_at_rest(state: &State, chain: usize, leg: usize) -> [u32; 2] {
+    let slot = slot_range(state, leg).start;
+    let range = joints_of(state, chain);
+    let first = range.start as u32;
+    let (from, to) = (
+        &state.ways.from[slot..][range.clone()],
+        &state.ways.to[slot..][range.clone()],
+    );
+    let known = [&*state.ways.turns, &*state.ways.leaves];
+    let [base_rests, base_stays] = known.map(|known| {
+        let base = state.chains.base[chain].checked_sub(1);
+        base.is_none_or(|joint| is_before(state, joint as usize, known))
+    });
+    let turns = first + equal_until(from, to);
+    let leaves = turns.min(first + equal_until(from, &state.joints.angle[range]));
+    [
+        if base_rests { turns } else { first },
+        if base_stays { leaves } else { first },
+    ]
+}
+
+/// The first place at which two columns differ; their length when there is none.
+fn equal_until(a: &[f32], b: &[f32]) -> u32 {
+    let differing = |bits, (a, b): (&f32, &f32)| bits | (a.to_bits() ^ b.to_bits());
+    let is_equal = a.iter().zip(b).fold(0, differing) == 0;
+    if is_equal {
+        // Most chains rest, and this comparison has no branches.
+        return a.len() as u32;
+    }
+    let differs = a.iter().zip(b).position(|(a, b)| a != b);
+    differs.unwrap_or(a.len()) as u32
 }
 
 fn link_path<'a>(state: &'a State, joint: usize, leg: usize) -> LinkPath<'a> {

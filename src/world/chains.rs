@@ -11,7 +11,7 @@ use crate::memory::ids::free_slot;
 use crate::memory::{BodyId, ChainId, PieceId};
 use crate::publish::{place_pieces, place_published_links};
 use crate::reach::goal::{Goal, Task};
-use crate::reach::least_deviation::least_deviation;
+use crate::reach::least_deviation::least_deviation_paid;
 use crate::recording::{CallKind, calls};
 use crate::state::bodies::BodyKind;
 use crate::state::chains::{
@@ -184,6 +184,10 @@ impl World<'_> {
             joints.hinge[joint] = hinge;
             joints.parent[joint] = parent;
             joints.length[joint] = math::length(hinge.rest.translation());
+            let before = parent
+                .checked_sub(1)
+                .map_or(0.0, |parent| joints.arm[parent as usize]);
+            joints.arm[joint] = before + joints.length[joint];
             joints.chain[joint] = chain as u32;
             joints.ball[joint] = u32::from(ball);
             joints.angle[joint] = angle;
@@ -437,10 +441,13 @@ impl World<'_> {
         if !angles.iter().all(|angle| angle.is_finite()) {
             return Err(ChainError::BadAngle);
         }
-        self.state.joints.target[joints].copy_from_slice(angles);
         self.state.chains.is_tip_seen[chain] = 0;
         self.state.chains.asked[chain].is_answered = 0;
-        self.keep_targets(chain);
+        // Targets that stay are within the limits.
+        if self.state.joints.target[joints.clone()] != *angles {
+            self.state.joints.target[joints].copy_from_slice(angles);
+            self.keep_targets(chain);
+        }
         Ok(())
     }
 
@@ -563,9 +570,7 @@ impl World<'_> {
         if same && self.state.joints.posture[joints.clone()] == *posture {
             return Ok(asked.missed_m);
         }
-        let steps = self.solve_tip(chain, &base, &tip, posture);
-        self.keep_targets(chain);
-        let missed_m = self.tip_missed_m(chain, &base, &tip);
+        let (steps, missed_m) = self.solve_tip(chain, &base, &tip, posture);
         self.state.joints.posture[joints].copy_from_slice(posture);
         let chains = &mut self.state.chains;
         chains.is_tip_seen[chain] = 1;
@@ -579,10 +584,12 @@ impl World<'_> {
         Ok(missed_m)
     }
 
-    /// Brings the target angles nearer to those that have the last link at a pose; the steps it took.
-    fn solve_tip(&mut self, chain: usize, base: &Pose, tip: &Pose, posture: &[f32]) -> u32 {
+    /// Brings the target angles nearer to those that have the last link at a pose; the steps it took, and how far
+    /// the link's origin is from there, in metres.
+    fn solve_tip(&mut self, chain: usize, base: &Pose, tip: &Pose, posture: &[f32]) -> (u32, f32) {
         let joints = joints_of(&self.state, chain);
-        let goals = tip_goals(joints.len() - 1, &tip.moved(-base.translation()));
+        let there = tip.moved(-base.translation());
+        let goals = tip_goals(joints.len() - 1, &there);
         let balls: arrayvec::ArrayVec<_, { CHAIN_HINGES_MAX / 3 }> = joints
             .clone()
             .filter_map(|joint| ball_at(&self.state, joint, joints.start))
@@ -590,28 +597,26 @@ impl World<'_> {
         let mut angles = [0.0; CHAIN_HINGES_MAX];
         let angles = &mut angles[..joints.len()];
         angles.copy_from_slice(&self.state.joints.target[joints.clone()]);
+        let root = base.moved(-base.translation());
         let task = Task {
             hinges: &self.state.joints.hinge[joints.clone()],
             balls: &balls,
-            root: base.moved(-base.translation()),
+            root,
             wanted: posture,
             goals: &goals,
             tolerance_m: 1e-5,
         };
-        let found = least_deviation(&task, angles, TIP_STEPS_MAX);
-        self.state.joints.target[joints].copy_from_slice(angles);
-        found.steps
-    }
-
-    /// How far the last link's origin is from a place at the target angles, in metres.
-    fn tip_missed_m(&self, chain: usize, base: &Pose, tip: &Pose) -> f32 {
-        let joints = joints_of(&self.state, chain);
-        let root = base.moved(-base.translation());
+        let (found, mut reached) =
+            least_deviation_paid(&task, angles, TIP_STEPS_MAX, None, &mut || true);
+        self.state.joints.target[joints.clone()].copy_from_slice(angles);
+        self.keep_targets(chain);
         let targets = &self.state.joints.target[joints.clone()];
-        let hinges = &self.state.joints.hinge[joints];
-        let reached = chain::posture(hinges, &root, targets);
+        if targets != angles {
+            reached = chain::posture(&self.state.joints.hinge[joints], &root, targets);
+        }
         let last = reached.last().map_or(root, |placed| placed.link);
-        math::length(last.translation() + base.translation() - tip.translation())
+        let missed = last.translation() - there.translation();
+        (found.steps, math::length(missed))
     }
 
     /// A chain's published angles in radians, one for each hinge.
@@ -714,12 +719,9 @@ fn judge_joints(defs: &[JointDef]) -> Result<usize, AddChainError> {
 /// Goals that ask for the pose of a link: its origin and two points off it.
 fn tip_goals(link: usize, tip: &Pose) -> [Goal; 9] {
     let points = [Vec3::ZERO, Vec3::X * TIP_LEVER_M, Vec3::Y * TIP_LEVER_M];
-    core::array::from_fn(|index| {
-        let point = points[index / 3];
-        let goal = Goal::place(link, point, tip.point(point))[index % 3];
-        Goal {
-            softness: TIP_SOFTNESS,
-            ..goal
-        }
+    let places = points.map(|point| Goal::place(link, point, tip.point(point)));
+    core::array::from_fn(|index| Goal {
+        softness: TIP_SOFTNESS,
+        ..places[index / 3][index % 3]
     })
 }

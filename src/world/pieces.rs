@@ -11,7 +11,7 @@ use crate::publish::place_pieces;
 use crate::recording::{CallKind, calls};
 use crate::state::bodies::{BodyKind, BodyMass};
 use crate::state::materials::Material;
-use crate::state::pieces::{Groups, PiecesOf, PoolUse};
+use crate::state::pieces::{Groups, PiecesOf, PoolUse, Touched};
 use glam::Vec3;
 
 /// The core of a piece in its own frame. A [`PieceDef`]'s radius rounds it.
@@ -145,6 +145,7 @@ impl World<'_> {
         pieces.groups[slot] = Groups::default();
         pieces.local[slot] = local;
         pieces.local_target[slot] = local;
+        pieces.touched[slot] = Touched::default();
         let id = PieceId::new(slot, pieces.generation[slot]);
         self.link(body, slot);
         let slots = &mut self.state.registers.piece_slots;

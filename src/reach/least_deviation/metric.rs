@@ -4,14 +4,17 @@ use glam::Vec3;
 
 use super::program::NARROW;
 use crate::geometry::chain::Posture;
+use crate::limits::CHAIN_HINGES_MAX;
 use crate::math;
-use crate::reach::goal::Levers;
 
 /// Soft goals of 1e-5 m2/rad2 against changes of angles mean forces of 1e4 that cancel: f32 would not do.
 pub(super) type Wide<const W: usize> = [f64; W];
 
 /// Most that one joint is stiffened, the change of the angles being one.
 const SPRING_MAX: f64 = 10.0;
+
+/// Sums over points of the lever of each joint across the pull at the point.
+pub(super) type Torques = [Vec3; CHAIN_HINGES_MAX];
 
 /// A symmetric matrix over the joints.
 #[derive(Clone)]
@@ -68,20 +71,18 @@ impl<const W: usize> Metric<W> {
         }
     }
 
-    /// Adds the second derivatives of a point's place along a pull. Hinge i, nearer to the root than j, turns
-    /// the lever of j about its own axis.
-    pub(super) fn curve(&mut self, levers: &Levers, placed: &Posture, pull: Vec3) {
-        self.is_unit = false;
-        for (i, hinge) in placed.iter().enumerate().take(levers.by().len()) {
-            let across = pull.cross(hinge.axis);
-            for (j, by) in levers.by().iter().enumerate().skip(i) {
-                let bend = f64::from(by.dot(across));
-                self.rows[i][j] += bend;
-                if i != j {
-                    self.rows[j][i] += bend;
-                }
+    /// The second derivatives of points' places along their pulls. Hinge i, nearer to the root than j, turns
+    /// the levers of j about its own axis, so the torques say it all: a_i x by_j . pull = a_i . (by_j x pull).
+    pub(super) fn curved(torques: &Torques, placed: &Posture) -> Self {
+        let mut new = Self::flat();
+        for (i, hinge) in placed.iter().enumerate() {
+            for j in i..placed.len() {
+                let bend = f64::from(hinge.axis.dot(torques[j]));
+                new.rows[i][j] = bend;
+                new.rows[j][i] = bend;
             }
         }
+        new
     }
 
     /// Adds a part of its largest entry to the diagonal, where it has more than the change of the angles.

@@ -16,7 +16,7 @@
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
-use super::metric::{Factor, Metric, Wide, product};
+use super::metric::{Factor, Metric, Torques, Wide, product};
 use super::spot::Spot;
 use super::{DAMPING_RAISED, TURN_MAX};
 use crate::geometry::chain::{Hinge, Posture};
@@ -90,9 +90,9 @@ struct Line<const W: usize> {
 }
 
 /// How goals bend on a way.
-struct Bent<const W: usize> {
-    /// Second derivatives that goals add to the cost.
-    curvature: Metric<W>,
+struct Bent {
+    /// What second derivatives goals add to the cost.
+    torques: Torques,
     /// The most that a pressing goal stays behind its tangent, in metres.
     short_m: f32,
     /// Whether the way is so far that soft goals were taken for straight: what is missed where it begins says
@@ -117,52 +117,56 @@ pub(super) struct Program<const W: usize> {
 }
 
 impl<const W: usize> Program<W> {
-    /// The program at a spot; `restores` asks for the least change from there instead of from the
+    /// A program without goals, to begin at some angles.
+    #[inline]
+    pub(super) fn at(spot: &Spot) -> Self {
+        let metric = Metric::new();
+        let joints = spot.q.len();
+        Self {
+            lines: Rows::new(),
+            joints,
+            q: padded(&spot.q),
+            slope: [0.0; W],
+            factor: Factor::new(&metric, &[true; W], joints),
+            metric,
+            turns: [0.0; W],
+        }
+    }
+
+    /// Linearises a task at the spot; `restores` asks for the least change from there instead of from the
     /// tracked angles.
-    pub(super) fn new(
+    pub(super) fn linearise(
+        &mut self,
         task: &Task,
         spot: &Spot,
         levers: &[Levers],
         restores: bool,
         damping: f32,
-    ) -> Self {
-        let q = padded(&spot.q);
-        let joints = spot.q.len();
-        let mut slope = [0.0; W];
+    ) {
+        let joints = self.joints;
         if !restores {
             let wanted: Wide<W> = padded(&task.wanted[..joints]);
             for j in 0..joints {
-                slope[j] = q[j] - wanted[j];
+                self.slope[j] = self.q[j] - wanted[j];
             }
         }
-        let metric = Metric::new();
-        let mut new = Self {
-            lines: Rows::new(),
-            joints,
-            q,
-            slope,
-            factor: Factor::new(&metric, &[true; W], joints),
-            metric,
-            turns: [0.0; W],
-        };
-        let largest = new.add_goals(task, levers);
+        let largest = self.add_goals(task, levers);
         if damping >= DAMPING_RAISED {
-            new.metric.damp(f64::from(damping), joints);
+            self.metric.damp(f64::from(damping), joints);
         }
-        for line in &mut new.lines {
+        for line in &mut self.lines {
             line.added =
                 line.softness + f64::from(damping) * largest + f64::from(f32::MIN_POSITIVE);
         }
-        new.add_cones(task, spot);
-        if new.metric.is_unit() {
+        self.add_cones(task, spot);
+        if self.metric.is_unit() {
             for j in 0..joints {
-                new.turns[j] = -new.slope[j];
+                self.turns[j] = -self.slope[j];
             }
         } else {
-            new.factor = Factor::new(&new.metric, &[true; W], joints);
+            self.factor = Factor::new(&self.metric, &[true; W], joints);
         }
-        new.choose();
-        new
+        self.choose();
     }
 
     /// Adds rows for hard goals, and soft ones to the cost; the largest stiffness of a hard one.
@@ -225,13 +229,17 @@ impl<const W: usize> Program<W> {
         let straight = self.metric.clone();
         for leads in [false, true] {
             let Bent {
-                curvature,
+                torques,
                 short_m,
                 leaps,
             } = self.bent(task, posture, levers, leads);
             is_newton &= !leaps;
             let is_straight = short_m <= BEND_MIN * task.tolerance_m;
-            if is_straight && (leads || curvature.largest() <= CURVED_MIN) {
+            if is_straight && leads {
+                return is_newton;
+            }
+            let curvature = Metric::curved(&torques, posture);
+            if is_straight && curvature.largest() <= CURVED_MIN {
                 return is_newton;
             }
             is_newton &= self.curve(&straight, &curvature, along);
@@ -244,10 +252,10 @@ impl<const W: usize> Program<W> {
     }
 
     /// How goals bend on the way found. With `leads`, hard ones are asked for as much more as they do.
-    fn bent(&mut self, task: &Task, posture: &Posture, levers: &[Levers], leads: bool) -> Bent<W> {
+    fn bent(&mut self, task: &Task, posture: &Posture, levers: &[Levers], leads: bool) -> Bent {
         let (turned, part) = self.turned();
         let mut bent = Bent {
-            curvature: Metric::flat(),
+            torques: [Vec3::ZERO; CHAIN_HINGES_MAX],
             short_m: 0.0,
             leaps: false,
         };
@@ -281,7 +289,9 @@ impl<const W: usize> Program<W> {
                 }
             }
             if pull != Vec3::ZERO {
-                bent.curvature.curve(levers, posture, pull);
+                for (torque, by) in bent.torques.iter_mut().zip(levers.by()) {
+                    *torque += by.cross(pull);
+                }
             }
         }
         bent

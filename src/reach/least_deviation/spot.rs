@@ -30,6 +30,11 @@ pub(super) struct Spot {
 impl Spot {
     pub(super) fn new(task: &Task, q: Angles) -> Self {
         let placed = posture(task.hinges, &task.root, &q);
+        Self::at(task, q, placed)
+    }
+
+    /// The spot at angles that take the links there.
+    pub(super) fn at(task: &Task, q: Angles, placed: Posture) -> Self {
         let (mut most, mut squares, mut sum) = (0.0, 0.0, 0.0);
         let mut cost = task.deviation(&q);
         for goal in task.used_goals() {
