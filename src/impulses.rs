@@ -32,7 +32,7 @@ mod touch;
 mod turning;
 
 use crate::frame::{FrameReport, Spending};
-use crate::limits::{EVENTS_MAX, IMPULSE_UNITS_MAX, STALLS_MAX};
+use crate::limits::{CREEP_SHARE, EVENTS_MAX, IMPULSE_UNITS_MAX, STALL_SHARE, STALLS_MAX};
 use crate::math;
 use crate::state::State;
 use crate::state::bodies::{BodyKind, HostedImpulse, Load, is_loose};
@@ -196,7 +196,7 @@ fn replanned(state: &State, island: usize) -> bool {
 impl Island {
     /// Events up to the end of the frame; the share of the frame that was reached.
     fn go(&mut self, state: &mut State, purse: &mut Purse, report: &mut FrameReport) -> f32 {
-        let mut stalls = 0;
+        let (mut stalls, mut before) = (0, None);
         let full = line::full_events(state, self.stretch.island as usize);
         for event in 0..EVENTS_MAX {
             let from = self.stretch.from;
@@ -208,7 +208,11 @@ impl Island {
             if time >= 1.0 {
                 return 1.0;
             }
-            stalls = if time - from <= 1e-4 { stalls + 1 } else { 0 };
+            let blocked = swept.blocked.map(|pair| Self::pieces(state, pair));
+            let creeps = blocked.is_some() && blocked == before;
+            let least = if creeps { CREEP_SHARE } else { STALL_SHARE };
+            stalls = if time - from <= least { stalls + 1 } else { 0 };
+            before = blocked;
             let unsure = swept.blocked.is_some_and(|pair| {
                 sweep::is_unsure(state, &state.islands.pairs[pair], &self.stretch)
             });
@@ -232,6 +236,12 @@ impl Island {
             }
         }
         self.stretch.from
+    }
+
+    /// The pieces of a pair.
+    fn pieces(state: &State, pair: usize) -> [u32; 2] {
+        let pair = &state.islands.pairs[pair];
+        [pair.a, pair.b]
     }
 
     /// Ends the stretch at a break that came into it, after its event was answered.

@@ -184,6 +184,13 @@ pub const IMPULSES_PER_CONTACT_MAX: u32 = 32;
 /// Events in a row that may bring nobody forward before somebody waits for the next frame.
 pub const STALLS_MAX: u32 = 2;
 
+/// Events that bring an island no farther than this share of the frame bring nobody forward.
+pub const STALL_SHARE: f32 = 1e-4;
+
+/// Nor do events that the same pair ends again, if they bring the island no farther than this share of the frame:
+/// what bounces takes longer ([`LONE_BOUNCE_MIN`]).
+pub const CREEP_SHARE: f32 = 0.01;
+
 /// Errors of velocity that impulses leave alone, as a share of what gravity adds in a frame. Half as many
 /// impulses as with a tenth of it, and a box at rest still creeps by less than a micrometre a frame.
 pub const RESIDUAL_PART: f32 = 5e-4;

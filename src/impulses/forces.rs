@@ -143,7 +143,7 @@ fn aim_push(state: &mut State, rows: usize, index: usize, stretch: &Stretch) {
     let velocity = problem(state, rows, stretch).relative_velocity(&row);
     let begun = velocity.dot(row.normal);
     let least = bounce_least(state, lone, stretch);
-    let spare = spare_m(state, &row, lone);
+    let spare = spare_m(&row, lone);
     let bounced = lone && row.gap >= 0.0 && begun > 0.25 * least;
     let meets_later = spare > 0.0 && meets_fast(state, &row, begun, lone, least);
     state.islands.pairs[row.pair as usize].bounced = u32::from(bounced);

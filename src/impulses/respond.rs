@@ -216,14 +216,9 @@ pub(super) fn is_lone(state: &State, rows: usize, index: usize) -> bool {
 }
 
 /// How far a gap is from closed, in metres; zero when it counts as closed.
-///
-/// What hands hold goes on carrying as before where it leaves what counts as closed: if it closed to the rest gap
-/// from there, an object that creeps would jolt.
-pub(super) fn spare_m(state: &State, row: &Row, lone: bool) -> f32 {
+pub(super) fn spare_m(row: &Row, lone: bool) -> f32 {
     let (closed_m, rest_m) = if lone {
         (2.0 * GAP_FLOOR_M, 1.5 * GAP_FLOOR_M)
-    } else if is_driven(state, row.body_b) {
-        (gather::CARRYING_M, gather::CARRYING_M)
     } else {
         (gather::CARRYING_M, LOOSE_REST_M)
     };
@@ -245,7 +240,7 @@ fn aim_strike(state: &mut State, rows: usize, index: usize, stretch: &Stretch) {
     touch::note_approach(state, &row, velocity);
     let least = bounce_least(state, lone, stretch);
     let giving = gives(state, row.body_b, stretch);
-    let spare = spare_m(state, &row, lone);
+    let spare = spare_m(&row, lone);
     let fast = meets_fast(state, &row, velocity.dot(row.normal), lone, least);
     let row = &mut state.rows.rows[index];
     if spare == 0.0 {
