@@ -141,8 +141,9 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
     let gains = |until: f32| until >= 1.0 || (until - time) * way >= STEP_MIN_M;
     let lost = lost_m(state, &pair, leg, &moving.motion_a.at(time), time);
     let floor_m = GAP_FLOOR_M + lost;
-    if pair.measured == 1 && !is_own(state, &pair) {
-        // The gap where the leg starts, and its normal, may do without another look.
+    if pair.measured == 1 && state.pieces.link[a] != 0 && !is_own(state, &pair) {
+        // The gap where the leg starts, and its normal, may do without another look: chains are planned so that
+        // their points swing as little as what is left of it.
         let until = from_start(&moving, &pair, floor_m);
         if gains(until) {
             let pair = &mut state.pairs.list[index];

@@ -44,15 +44,15 @@ impl Hinge {
     /// and the third hinge of a ball rest where the one before them is, which costs nothing.
     #[inline]
     pub(crate) fn placed(&self, base: &Pose, angle_rad: f32) -> Pose {
-        let turn = turn_about(self.axis, angle_rad);
-        let (mut rotation, mut place) = (base.quat(), base.translation());
+        let mut turn = turn_about(self.axis, angle_rad);
+        let mut place = base.translation();
         if self.rest.position != [0.0; 3] {
-            place += rotation * self.rest.translation();
+            place += base.quat() * self.rest.translation();
         }
         if self.rest.rotation != Pose::IDENTITY.rotation {
-            rotation *= self.rest.quat();
+            turn = self.rest.quat() * turn;
         }
-        Pose::new(math::renormalised(rotation * turn), place)
+        Pose::new(math::renormalised(base.quat() * turn), place)
     }
 }
 
