@@ -65,9 +65,12 @@ pub const GAP_TOUCHING_M: f32 = OVERLAP_SLOP_M;
 /// fixed point (promise P4). Larger values make slow sliding visibly stick.
 pub const STILL_M: f32 = 0.1 * OVERLAP_SLOP_M;
 
-/// A driven body that leans on sleepers lets them sleep while it is wanted no farther aside than [`STILL_M`] and turned
-/// by no more than this, in radians.
-pub const STILL_RAD: f32 = 1e-4;
+/// How far a driven body that leans on sleepers may be wanted aside while its tracker is still, in metres: a tenth of a
+/// newton by the default spring. Its coupling comes to rest later than what it holds, and is not to wake that.
+pub const LEANING_M: f32 = OVERLAP_SLOP_M;
+
+/// And how far turned, in radians.
+pub const LEANING_RAD: f32 = 1e-3;
 
 /// Advancing along a path stops when a step would be shorter than this, in metres.
 pub const STEP_MIN_M: f32 = 0.02 * OVERLAP_SLOP_M;

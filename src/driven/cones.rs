@@ -4,7 +4,7 @@
 use super::{pays_for_pairs, purses};
 use crate::frame::{FrameReport, Spending};
 use crate::state::State;
-use crate::state::bodies::BodyKind;
+use crate::state::bodies::{BodyKind, DrivenReport};
 use crate::state::chains::has_chains;
 use crate::state::purse::Purse;
 use crate::state::ways::{Position, driven_at};
@@ -16,35 +16,41 @@ const STEPS_BACK: u32 = 16;
 /// Has bodies that loose objects stopped stop where every ball is within its cone.
 ///
 /// The balls are taken into their cones where the body stopped, if it is clear of everything then. Else it stops
-/// earlier on its way, where no loose body followed it; or, when there is no such place or no unit to look for
-/// one, where its leg began. Spends units of the advance, and when those run out what `spare` has.
+/// earlier on its way, where no loose body followed it, or where its leg began when there is no such place. Without
+/// units to look for one it stays where it stopped, reports that it was cut, and comes back into its cones when it
+/// moves on: there is no overlap. Spends units of the advance, and when those run out what `spare` has.
 pub(crate) fn stop_within_cones(
     state: &mut State,
     spending: &Spending,
-    spare: Option<&mut Purse>,
+    mut spare: Option<&mut Purse>,
     report: &mut FrameReport,
 ) {
-    let mut spare = spare;
     for body in 0..state.registers.body_slots as usize {
         let stop = state.legs.stop_time[body];
-        let is_driven = state.bodies.kind[body] == BodyKind::Driven.code();
-        if !is_driven || stop <= 0.0 || stop >= 1.0 || !has_chains(state, body) {
+        let goes = state.bodies.kind[body] == BodyKind::Driven.code() && state.legs.count[body] > 0;
+        if !goes || stop <= 0.0 || stop >= 1.0 || !has_chains(state, body) {
             continue;
         }
         let at = driven_at(state.legs.of(body), &state.bodies.pose[body], stop);
         if !reach::are_within_cones(state, body, at.leg, at.share) {
             let mut purses = purses(spending, report);
             let mut stopped = stop_clear(state, body, &at, &mut purses.units);
+            let mut is_cut = purses.units.is_closed();
             if let Some(spare) = spare.as_deref_mut()
                 && !stopped
-                && purses.units.is_closed()
+                && is_cut
             {
                 stopped = stop_clear(state, body, &at, spare);
+                is_cut = spare.is_closed();
             }
-            if !stopped {
+            let mut flags = 0;
+            if !stopped && is_cut {
+                flags = DrivenReport::CUT;
+                state.bodies.report[body].flags |= flags;
+            } else if !stopped {
                 stop_at(state, body, &at, 0.0);
             }
-            purses.book(0, report);
+            purses.book(flags, report);
         }
     }
 }
@@ -89,7 +95,7 @@ fn is_clear_of_all(state: &mut State, body: usize, at: &Position, purse: &mut Pu
 }
 
 /// The largest of some shares of the leg before a place at which every ball is within its cone and nothing loose
-/// is in the way; zero when there is none.
+/// is in the way; `None` when there is none.
 fn step_back(state: &State, body: usize, at: &Position, purse: &mut Purse) -> Option<f32> {
     let legs = state.legs.of(body);
     let shares = (1..STEPS_BACK).rev();

@@ -1,7 +1,7 @@
 //! Driven bodies that contact holds where they are: as long as nothing changes, a frame finds what the one
 //! before found, and need not look.
 
-use crate::limits::{STILL_M, STILL_RAD};
+use crate::limits::{LEANING_M, LEANING_RAD};
 use crate::math;
 use crate::state::State;
 use crate::state::bodies::{BodyKind, DrivenReport, Settled, is_body_of};
@@ -19,16 +19,18 @@ pub(super) fn is_settled(state: &State, body: usize) -> bool {
         && others_are_still(state, body)
 }
 
-/// Whether a body is wanted where it was when it settled. One that leans on sleepers may be wanted a hair aside: its
-/// coupling comes to rest later than they.
+/// Whether a body is wanted where it was when it settled. One that leans on sleepers may be wanted a hair aside while
+/// its tracker is still to the bit: its coupling comes to rest later than they.
 fn is_wanted_there(state: &State, body: usize) -> bool {
-    let (before, now) = (state.bodies.settled[body].wanted, state.legs.wanted[body]);
-    if before == now || state.bodies.yielding[body].leans == 0 {
+    let settled = &state.bodies.settled[body];
+    let (before, now) = (settled.wanted, state.legs.wanted[body]);
+    let leans = state.bodies.yielding[body].leans == 1;
+    if before == now || !leans || settled.tracked != state.bodies.tracker[body].target {
         return before == now;
     }
     let moved = now.translation() - before.translation();
     let turned = math::nearer_sign(now.quat(), before.quat()) - before.quat();
-    math::length(moved) <= STILL_M && 4.0 * turned.length_squared() <= STILL_RAD * STILL_RAD
+    math::length(moved) <= LEANING_M && 4.0 * turned.length_squared() <= LEANING_RAD * LEANING_RAD
 }
 
 fn is_chain_settled(state: &State, chain: usize) -> bool {
@@ -78,6 +80,7 @@ pub(super) fn remember(state: &mut State, body: usize, flags: u32) {
     state.bodies.settled[body] = Settled {
         is_settled: 1,
         wanted: state.legs.wanted[body],
+        tracked: state.bodies.tracker[body].target,
         moved: 0,
         flags,
         ..state.bodies.settled[body]

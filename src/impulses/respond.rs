@@ -9,7 +9,7 @@
 use glam::{Mat3, Vec3};
 
 use super::forces::{note_working, push, restoring};
-use super::giving::{begin_giving, give_way, gives, is_driven, is_wedged, step_back};
+use super::giving::{begin_giving, give_way, gives, is_wedged, step_back};
 use super::movers::{is_free, mover};
 use super::solver::{Order, Problem};
 use super::{Stretch, cluster, gather, touch};

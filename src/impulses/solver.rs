@@ -613,8 +613,10 @@ fn slipping(row: &Row, free: Vec3, lacking: f32) -> Vec3 {
     let velocity = free + row.mobility * row.impulse;
     let slip = velocity - n * velocity.dot(n);
     let held = row.impulse - n * row.impulse.dot(n);
+    // At least as much as the slip changes for an impulse along it.
+    let most = row.mobility.x_axis.x + row.mobility.y_axis.y + row.mobility.z_axis.z - row.along;
     let frictionless = n * (lacking / row.along);
-    let Some(along) = math::direction(held - slip / math::max(most_tangential(row), 1e-20)) else {
+    let Some(along) = math::direction(held - slip / math::max(most, 1e-20)) else {
         return frictionless;
     };
     let on_cone = n + along * row.friction;
@@ -626,38 +628,17 @@ fn slipping(row: &Row, free: Vec3, lacking: f32) -> Vec3 {
     on_cone * (lacking / gain)
 }
 
-/// At least as much as the slip changes for an impulse along it.
-fn most_tangential(row: &Row) -> f32 {
-    row.mobility.x_axis.x + row.mobility.y_axis.y + row.mobility.z_axis.z - row.along
-}
-
-/// The impulse of a contact that is pressed by its least normal impulse: with the friction that stops all slip, or
-/// else, as one that slips, with all that the cone allows.
+/// The impulse of a contact that is pressed by its least normal impulse, with as much friction as stops
+/// the slip or as the cone allows.
 fn pressed(row: &Row, free: Vec3) -> Vec3 {
-    let n = row.normal;
-    let push = n * row.least;
-    let most = row.friction * row.least;
-    let sticking = stopping(row, free + row.mobility * push);
-    if sticking.length_squared() <= most * most {
-        return push + sticking;
-    }
-    let held = row.impulse - n * row.impulse.dot(n);
-    let velocity = free + row.mobility * (push + held);
-    let slip = velocity - n * velocity.dot(n);
-    let along = held - slip / math::max(most_tangential(row), 1e-20);
-    let length = math::length(along);
-    push + along * (most / math::max(length, most))
-}
-
-/// The impulse across a row's normal that stops the slip of `velocity`.
-fn stopping(row: &Row, velocity: Vec3) -> Vec3 {
-    let t = math::perpendicular(row.normal);
-    let b = row.normal.cross(t);
-    let (by_t, by_b) = (row.mobility * t, row.mobility * b);
-    let (tt, tb, bb) = (t.dot(by_t), t.dot(by_b), b.dot(by_b));
-    let determinant = math::max(tt * bb - tb * tb, 1e-30);
-    let (slip_t, slip_b) = (velocity.dot(t), velocity.dot(b));
-    (t * (tb * slip_b - bb * slip_t) + b * (tb * slip_t - tt * slip_b)) / determinant
+    let push = row.normal * row.least;
+    let velocity = free + row.mobility * push;
+    let slip = velocity - row.normal * velocity.dot(row.normal);
+    let Some(along) = math::direction(slip) else {
+        return push;
+    };
+    let stops = math::length(slip) / along.dot(row.mobility * along);
+    push - along * math::min(stops, row.friction * row.least)
 }
 
 /// How far a contact is from its target, in either direction when it can give back, and how fast it slips

@@ -308,6 +308,8 @@ pub(crate) struct Settled {
     /// One when the body moved in the last frame.
     pub moved: u32,
     pub wanted: Pose,
+    /// Where the tracker saw it.
+    pub tracked: Pose,
     /// Flags of the body's report.
     pub flags: u32,
     /// Where its contacts lie among those that the host can read.

@@ -442,7 +442,8 @@ impl Checker {
         self.check_cones(world, cast, report)
     }
 
-    /// Balls are within their cones. One that a loose body stopped outside comes no farther out.
+    /// Balls are within their cones. One that a loose body stopped outside comes no farther out; one whose body was
+    /// cut may be anywhere on its way.
     fn check_cones(
         &mut self,
         world: &World,
@@ -454,7 +455,9 @@ impl Checker {
             let known = self.outside.iter().find(|(other, _)| other == name);
             let body = cast.chain(name.0).map_or(BodyId::NULL, |chain| chain.body);
             let mut pieces = cast.pieces_of(body);
+            let cut = world.driven_report(body);
             let excused = known.is_some_and(|(_, before)| *far <= before + LIMIT_RAD)
+                || cut.is_ok_and(|report| report.flags & DrivenReport::CUT != 0)
                 || pieces
                     .any(|piece| may_be_stopped(world, cast, &self.overlaps, piece.id, report));
             hold(excused, "a ball is outside its cone", (name, far))?;
