@@ -19,7 +19,7 @@ use crate::hand_scene::SceneError;
 use crate::memory::Block;
 
 /// What is added to what was measured.
-const MARGIN: f64 = 1.25;
+const MARGIN: f64 = 1.4;
 
 /// One in so many frames may cost more than the prices before the margin: the clock behind them takes care
 /// of what the machine does beside.
