@@ -3,7 +3,7 @@
 //! Conservative advancement from one certified pose to the next: every pose on the way is known to be
 //! safe, so the way may be cut anywhere.
 
-use crate::geometry::time_of_contact::{Clearance, MovingPair};
+use crate::geometry::time_of_contact::MovingPair;
 use crate::limits::{GAP_FLOOR_M, STEP_MIN_M};
 use crate::math;
 use crate::state::State;
@@ -138,20 +138,8 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
         motion_a,
         motion_b,
     };
-    let gains = |until: f32| until >= 1.0 || (until - time) * way >= STEP_MIN_M;
     let lost = lost_m(state, &pair, leg, &moving.motion_a.at(time), time);
     let floor_m = GAP_FLOOR_M + lost;
-    if pair.measured == 1 && state.pieces.link[a] != 0 && !is_own(state, &pair) {
-        // The gap where the leg starts, and its normal, may do without another look: chains are planned so that
-        // their points swing as little as what is left of it.
-        let until = from_start(&moving, &pair, floor_m);
-        if gains(until) {
-            let pair = &mut state.pairs.list[index];
-            pair.measured = 0;
-            pair.clear_until = until;
-            return false;
-        }
-    }
     let mut feature = pair.feature;
     let mut found = moving.clear_until(time, floor_m, &mut feature, 0.0);
     found.clear_until = moving.clear_nearby(time, floor_m, &found);
@@ -161,7 +149,6 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
         found.point = root.point(found.point);
     }
     let pair = &mut state.pairs.list[index];
-    pair.measured = 0;
     pair.feature = feature;
     pair.gap = found.gap_m - lost;
     pair.lost = lost;
@@ -169,19 +156,8 @@ fn certify(state: &mut State, index: usize, leg: &BodyTrack, time: f32) -> bool 
     pair.normal = found.normal;
     pair.point = found.point;
     pair.clear_until = math::max(time, found.clear_until);
-    !gains(pair.clear_until)
-}
-
-/// How long a pair is certainly clear that was measured where the leg starts.
-fn from_start(moving: &MovingPair, pair: &Pair, floor_m: f32) -> f32 {
-    let gap_m = pair.gap + pair.lost;
-    let found = Clearance {
-        normal: pair.normal,
-        gap_m,
-        point: pair.point,
-        clear_until: moving.clear_from(0.0, floor_m, pair.normal, gap_m),
-    };
-    moving.clear_nearby(0.0, floor_m, &found)
+    let gained = (pair.clear_until - time) * way;
+    pair.clear_until < 1.0 && gained < STEP_MIN_M
 }
 
 /// Carries what is known of the gaps over to the next leg, which starts at share `reached` of this
