@@ -25,8 +25,8 @@ use crate::state::pieces::{Bounds, PiecesOf};
 use crate::state::purse::Purse;
 use crate::state::ways::{Position, is_own, lost_m, obstacle_bounds, obstacle_pose, piece_pose};
 
-/// Where a driven body that overlaps fixed pieces or other driven bodies gets clear of these pairs, moved
-/// as a whole; `None` when no way out was found.
+/// Where a driven body that overlaps fixed pieces or other driven bodies gets clear of the pairs whose gap may be
+/// less than `within_m`, moved as a whole; `None` when no way out was found.
 ///
 /// The search spends [`WAY_OUT_UNITS`] and [`WAY_OUT_PAIR_UNITS`] a pair and is not begun with fewer. It
 /// keeps about 130 kB on the stack.
@@ -34,17 +34,17 @@ pub(crate) fn way_out(
     state: &State,
     pairs: usize,
     at: &Position,
+    within_m: f32,
     purse: &mut Purse,
 ) -> Option<Pose> {
-    let searched = pairs.min(UNION_PAIRS_MAX) as u32;
+    let is_near = |pair: &&Pair| pair.gap < within_m && !is_own(state, pair);
+    let near = || state.pairs.list[..pairs].iter().filter(is_near);
+    let searched = near().count().min(UNION_PAIRS_MAX) as u32;
     if !purse.take(WAY_OUT_UNITS + WAY_OUT_PAIR_UNITS * searched) {
         return None;
     }
     let mut listed: ArrayVec<UnionPair, UNION_PAIRS_MAX> = ArrayVec::new();
-    for pair in &state.pairs.list[..pairs] {
-        if is_own(state, pair) {
-            continue;
-        }
+    for pair in near() {
         let (a, b) = (pair.a as usize, pair.b as usize);
         listed
             .try_push(UnionPair {
@@ -60,6 +60,14 @@ pub(crate) fn way_out(
     let out = at.root.moved(found.offset);
     let inside = out.translation().abs().cmple(Vec3::splat(WORLD_REACH_M));
     (found.verified && inside.all()).then_some(out)
+}
+
+/// How deep a body is in what it was measured against, in metres; zero when it is clear of that.
+pub(crate) fn depth_m(state: &State, pairs: usize) -> f32 {
+    let measured = state.pairs.list[..pairs]
+        .iter()
+        .filter(|pair| pair.measured == 1 && !is_own(state, pair));
+    measured.fold(0.0, |deepest, pair| crate::math::max(-pair.gap, deepest))
 }
 
 /// Whether a body is clear of the pieces that it is paired with; `None` when the units ran out. Spends a

@@ -16,7 +16,8 @@ use glam::Vec3;
 use crate::frame::{FrameReport, Spending};
 use crate::geometry::linkage::angle_at;
 use crate::limits::{
-    ADVANCE_UNITS_MAX, LEGS_MAX, PAIR_MARGIN_M, PLAN_UNITS, ROUNDS_MAX, STILL_M, WAY_OUT_ROUNDS_MAX,
+    ADVANCE_UNITS_MAX, GAP_TOUCHING_M, LEGS_MAX, PAIR_MARGIN_M, PLAN_UNITS, ROUNDS_MAX, STILL_M,
+    WAY_OUT_ROUNDS_MAX,
 };
 use crate::math::{self, Pose};
 use crate::reach::{self, Hold, Plan};
@@ -461,13 +462,16 @@ impl Walk {
     }
 
     /// Where the body gets clear of what it overlaps and of whatever else is there; `None` when no such
-    /// place was found. A place among pieces that were too far away to be paired is looked for again with
-    /// these.
+    /// place was found. Most are found among the few pieces that are as near as the overlap is deep, and are the
+    /// nearest of all then. A place among others is looked for again with these, and with those that were too far
+    /// away to be paired.
     fn way_out(&mut self, state: &mut State, purse: &mut Purse) -> Result<Option<Pose>, PairsFull> {
+        let mut within_m = 2.0 * contacts::depth_m(state, self.pairs) + GAP_TOUCHING_M;
         for _ in 0..WAY_OUT_ROUNDS_MAX {
-            let Some(root) = contacts::way_out(state, self.pairs, &self.at, purse) else {
+            let Some(root) = contacts::way_out(state, self.pairs, &self.at, within_m, purse) else {
                 return Ok(None);
             };
+            within_m = f32::INFINITY;
             // With the angles that it has: on its way out the links stay as they are.
             let goal = Position { root, ..self.at };
             if !self.pays_for_pairs(state, purse) {

@@ -107,10 +107,10 @@ pub const PLAN_UNITS: u32 = 1;
 
 /// Units for the search of a way out of overlap that the host made, and for each pair that it looks at.
 /// It is not begun with fewer.
-pub const WAY_OUT_UNITS: u32 = 64;
+pub const WAY_OUT_UNITS: u32 = 32;
 
 /// The same for each pair that the search looks at.
-pub const WAY_OUT_PAIR_UNITS: u32 = 4;
+pub const WAY_OUT_PAIR_UNITS: u32 = 12;
 
 /// One part in so many of a frame's time is kept for loose bodies that are awake.
 pub const LOOSE_SHARE: u64 = 4;

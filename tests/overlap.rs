@@ -3,8 +3,8 @@
 mod common;
 
 use common::{Block, add_box, add_piece};
-use palpable::frame::{FrameInput, FrameReport};
-use palpable::limits::{GAP_TOUCHING_M, OVERLAP_SLOP_M};
+use palpable::frame::{Budget, FrameInput, FrameReport};
+use palpable::limits::{GAP_TOUCHING_M, OVERLAP_SLOP_M, WAY_OUT_PAIR_UNITS, WAY_OUT_UNITS};
 use palpable::math::Pose;
 use palpable::memory::{BodyId, Capacities};
 use palpable::state::bodies::{BodyKind, Coupling, DrivenReport};
@@ -95,4 +95,32 @@ fn a_detached_body_does_not_snap_into_anything() {
     let (pose, flags) = held_behind_a_plate(Coupling::SNAP_WHEN_FREE, &inside);
     assert!(pose.position[0] + 0.05 < 0.19);
     assert_ne!(flags & DrivenReport::DETACHED, 0);
+}
+
+#[test]
+fn the_way_out_of_a_little_overlap_costs_little_among_much_that_is_near() {
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    floor(&mut world);
+    for (x, z) in (-2..=2).flat_map(|x| (-2..=2).map(move |z| (x, z))) {
+        if (x, z) != (0, 0) {
+            // The nearest are 8 mm from the hand's sides.
+            let at = Pose::at(0.068 * x as f32, 0.2, 0.068 * z as f32);
+            add_box(&mut world, BodyKind::Fixed, at, [0.01, 0.2, 0.01]);
+        }
+    }
+    let spawned = Pose::at(0.0, 0.048, 0.0);
+    let hand = add_box(&mut world, BodyKind::Driven, spawned, [0.05; 3]);
+    world.set_target(hand, &Pose::at(0.0, -0.1, 0.0)).unwrap();
+    let input = FrameInput {
+        budget: Budget {
+            advance_units: WAY_OUT_UNITS + 2 * WAY_OUT_PAIR_UNITS + 48,
+            ..Budget::UNLIMITED
+        },
+        ..FrameInput::unlimited(FRAME_S)
+    };
+    world.step(&input);
+    let [x, y, z] = world.pose(hand).unwrap().position;
+    assert!((0.0..=OVERLAP_SLOP_M).contains(&(y - 0.05)), "{y}");
+    assert!(x.abs().max(z.abs()) < 1e-6, "{x} {z}");
 }

@@ -68,9 +68,11 @@ pub unsafe extern "C" fn palp_frame_step(
 #[allow(non_camel_case_types, reason = "the name in C")]
 pub type palp_clock = Option<unsafe extern "C" fn(user: *mut c_void) -> u64>;
 
-/// Like `palp_frame_step`, with a clock as a backstop: no unit is begun at `ends_ns` or later by it. Where
-/// that cuts, the report says `PALP_FRAME_LATE`, and stepping with the report's units and no deadline gives
-/// the same bits.
+/// Like `palp_frame_step`, with a clock as a backstop: no units are begun that would not be over before
+/// `ends_ns` by it and by the prices of the input's costs; without prices they take no time. Closing the frame
+/// comes after that: `ends_ns` is best set by `palp_frame_floor` before the frame is to be over. Where the
+/// clock cuts, the report says `PALP_FRAME_LATE`, and stepping with the report's units and no deadline gives the
+/// same bits.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palp_frame_step_by_clock(
     world: *mut palp_world,

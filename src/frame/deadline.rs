@@ -102,17 +102,6 @@ impl CostTable {
             + u64::from(self.boxes_ns) * boxes
     }
 
-    /// How long before a frame is to be over a clock ends its work
-    /// ([`crate::world::World::step_by_clock`]): the dearest unit, and half of the floor for publishing.
-    #[must_use]
-    pub fn reserve_ns(&self, census: &Census) -> u64 {
-        let dearest = self
-            .advance_unit_ns
-            .max(self.impulse_unit_ns)
-            .max(self.reach_step_ns);
-        self.floor_ns(census) / 2 + u64::from(dearest)
-    }
-
     /// The price of a frame that spends all of a budget.
     #[must_use]
     pub fn worst_ns(&self, census: &Census, budget: &super::Budget) -> u64 {

@@ -11,6 +11,9 @@ use super::solver::Problem;
 use crate::math;
 use crate::state::rows::{Mover, Row};
 
+/// Marks the label of a cluster with a body that nothing moves.
+const HELD: u32 = 1 << 31;
+
 /// Merges what approaches faster than `allowed` says, in m/s; how many mergers that took.
 ///
 /// `centres` are the bodies' centres of mass, `cluster` is scratch of the same length. Cost: a pass over
@@ -26,7 +29,8 @@ pub(super) fn run(
         return merged;
     }
     for (body, label) in cluster.iter_mut().enumerate() {
-        *label = body as u32;
+        let held = u32::from(!problem.movers[body].is_movable());
+        *label = (body as u32) | (held * HELD);
     }
     while let Some(index) = fastest(problem, Some(cluster), &allowed) {
         let row = problem.rows[index];
@@ -50,7 +54,7 @@ fn fastest(
     for (index, row) in problem.rows.iter().enumerate() {
         let approach = -problem.relative_velocity(row).dot(row.normal);
         let excess = approach - allowed(row);
-        let apart = cluster.is_none_or(|labels| may_join(problem, labels, row));
+        let apart = cluster.is_none_or(|labels| may_join(labels, row));
         if excess > most && apart {
             most = excess;
             found = Some(index);
@@ -60,13 +64,9 @@ fn fastest(
 }
 
 /// Two clusters that nothing moves have nothing to give.
-fn may_join(problem: &Problem, cluster: &[u32], row: &Row) -> bool {
-    let labels = [row.body_a, row.body_b].map(|body| cluster[body as usize]);
-    let movable = |label: u32| {
-        (0..problem.movers.len())
-            .all(|body| cluster[body] != label || problem.movers[body].is_movable())
-    };
-    labels[0] != labels[1] && (movable(labels[0]) || movable(labels[1]))
+fn may_join(cluster: &[u32], row: &Row) -> bool {
+    let [a, b] = [row.body_a, row.body_b].map(|body| cluster[body as usize]);
+    a != b && (a & b & HELD) == 0
 }
 
 fn join(problem: &mut Problem, centres: &[Vec3], cluster: &mut [u32], row: &Row) {
@@ -83,7 +83,7 @@ fn join(problem: &mut Problem, centres: &[Vec3], cluster: &mut [u32], row: &Row)
     };
     for body in 0..cluster.len() {
         if labels.contains(&cluster[body]) {
-            cluster[body] = labels[0];
+            cluster[body] = labels[0] | (labels[1] & HELD);
             motion.give(&mut problem.movers[body], centres[body]);
         }
     }

@@ -23,7 +23,7 @@ pub(crate) struct Account<'a> {
 
 impl<'a> Account<'a> {
     /// So many nanoseconds by prices; `u64::MAX` for a frame without a deadline. A clock is asked before
-    /// every unit whether it is `ends_ns` yet.
+    /// all units whether they would by their price be over before `ends_ns`.
     pub(crate) fn new(left_ns: u64, clock: Option<&'a dyn Fn() -> u64>, ends_ns: u64) -> Self {
         Self {
             left_ns: Cell::new(left_ns),
@@ -53,7 +53,10 @@ impl<'a> Account<'a> {
         if self.is_closed.get() {
             return false;
         }
-        if self.clock.is_some_and(|clock| clock() >= self.ends_ns) {
+        if self
+            .clock
+            .is_some_and(|clock| clock().saturating_add(ns) >= self.ends_ns)
+        {
             self.is_late.set(true);
             self.is_closed.set(true);
             return false;
@@ -200,5 +203,16 @@ mod tests {
         assert_eq!(purse.spent(), 3);
         account.next_stage();
         assert!(account.was_closed() && account.is_late() && !account.is_short());
+    }
+
+    #[test]
+    fn units_that_would_not_be_over_in_time_are_not_begun() {
+        let clock = || 40;
+        let account = Account::new(u64::MAX, Some(&clock), 100);
+        let mut purse = Purse::new(&account, 10, 99);
+        assert!(purse.take(5));
+        assert!(!purse.take(6), "they would be over at the end");
+        assert_eq!(purse.spent(), 5);
+        assert!(account.is_late());
     }
 }

@@ -263,11 +263,11 @@ fn step(
         return timed(|| world.step(input));
     };
     let ends_ns = u64::from(us) * 1000;
-    let reserve_ns = costs.reserve_ns(&world.census());
+    let floor_ns = world.floor_ns(costs);
     timed(|| {
         let begun = Instant::now();
         let clock = || begun.elapsed().as_nanos() as u64;
-        world.step_by_clock(input, &clock, ends_ns.saturating_sub(reserve_ns))
+        world.step_by_clock(input, &clock, ends_ns.saturating_sub(floor_ns))
     })
 }
 
