@@ -14,7 +14,9 @@
 //! it is missed by: second derivatives count. With them a step leaves about its own square to be turned, and
 //! a chain that follows its tracker from frame to frame takes one: the search ends where that square is
 //! small. What goals that have to be met exactly leave would not be mended by a later frame, and their
-//! search goes on. Where a step gains little all the same, one joint is turned alone.
+//! search goes on. Where a push bends more than the change of the angles bears, as at a saddle of its height,
+//! the step climbs along the curve of least changes ([`climb`]). Where a step gains little all the same, one
+//! joint is turned alone.
 //!
 //! Newton's method stalls at a straight arm whose goal is toward its shoulder, at joints on their limits
 //! and out of reach. It is damped more when a step fails (Levenberg 1944). Where exact goals still are
@@ -23,6 +25,7 @@
 //! would make a chain jump.
 
 mod alone;
+mod climb;
 mod metric;
 mod program;
 mod spot;
@@ -76,9 +79,10 @@ const STALL_STEPS: u32 = 4;
 /// Takes up to `steps` steps from `angles`, which stay within the limits.
 ///
 /// A step is one linearisation, at most three times [`PASSES_MAX`] factorisations of a matrix with as
-/// many rows as goals and two for each ball, as many and eight more of one with as many rows as joints, and
-/// at most six forward kinematics; near the goals it is one solution and one forward kinematics. With all
-/// goals met at the tracked angles no step is taken. Fewer than six steps left mean no restart.
+/// many rows as goals and two for each ball, as many and eight more of one with as many rows as joints, for
+/// pushes up to a hundred more of those, and at most six forward kinematics; near the goals it is one
+/// solution and one forward kinematics. With all goals met at the tracked angles no step is taken. Fewer than
+/// six steps left mean no restart.
 pub fn least_deviation(task: &Task, angles: &mut [f32], steps: u32) -> Reached {
     least_deviation_paid(task, angles, steps, None, &mut || true).0
 }
@@ -223,7 +227,9 @@ fn step_of<const W: usize>(
     program.solve(task);
     // What goals that have to be met exactly press with far from them is not what they press with there.
     let along = restores || asks_exactly(task);
-    let is_newton = program.bend(task, &spot.placed, &levers, along);
+    // Away from the goals of pushes, which are the whole task.
+    let climbs = !spot.is_met && !spot.is_soft && !asks_exactly(task);
+    let is_newton = program.bend(task, &spot.placed, &levers, along, climbs);
     let angles = program.angles();
     let Some((next, is_whole)) = guarded(task, spot, &angles, program.penalty()) else {
         return Err(most_turned(&spot.q, &angles));
