@@ -165,8 +165,7 @@ fn descend(
 ) -> u32 {
     let least_damping = if spot.is_soft { DAMPING_SOFT } else { DAMPING };
     let mut damping = least_damping;
-    let mut used = 0;
-    let (mut mark, mut since) = (spot.shortfall, 0);
+    let (mut used, mut mark, mut since) = (0, spot.shortfall, 0);
     // Where the goals were last met before a step left them.
     let mut cheapest: Option<Spot> = None;
     while used < steps && pay() {
