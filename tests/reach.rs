@@ -361,3 +361,43 @@ fn points_along_a_straight_arm_are_pushed_without_a_swing() {
         assert!(turned <= 0.06, "{case}: {turned} rad");
     }
 }
+
+/// At right angles to its fork a universal joint's point goes sideways by the product of two angles: no joint
+/// lifts it alone, and the slope says next to nothing.
+#[test]
+fn a_point_on_a_saddle_climbs_with_two_joints_at_once() {
+    const LENGTH_M: f32 = 0.3;
+    let fork = 0.5 * core::f32::consts::PI;
+    let hinges = [
+        hinge(Vec3::ZERO, Vec3::X, -1.2, 1.2),
+        hinge(Vec3::ZERO, Vec3::Z, 0.0, 2.8),
+    ];
+    let tip = Vec3::NEG_Y * LENGTH_M;
+    for (a, b) in [(0.01, 0.02), (-0.02, -0.01), (0.0, 0.03), (0.02, 0.0)] {
+        let wanted = [a, fork + b];
+        let goals = [Goal {
+            link: 1,
+            point: tip,
+            normal: Vec3::Z,
+            height_m: 0.04,
+            is_exact: false,
+            softness: 0.0,
+        }];
+        let task = task(&hinges, &wanted, &goals);
+        let mut angles = wanted;
+        let reached = least_deviation(&task, &mut angles, 2);
+        assert!(reached.missed_m <= TOLERANCE_M, "{a} {b}: {reached:?}");
+        // Height is length sin a sin b; both turn the same way to raise it.
+        let least = (1..10_000).map(|step| {
+            let to_a = f64::from(step) * 1.2e-4;
+            let to_b = (0.04 / (f64::from(LENGTH_M) * to_a.sin())).min(1.0).asin();
+            [1.0, -1.0].map(|sign| (sign * to_a - f64::from(a)).hypot(sign * to_b - f64::from(b)))
+        });
+        let least = least.flatten().fold(f64::INFINITY, f64::min);
+        let found = change(&angles.map(f64::from), &wanted);
+        assert!(
+            found <= 1.01 * least,
+            "{a} {b}: {found} rad, {least} would do"
+        );
+    }
+}

@@ -36,23 +36,30 @@ impl Hinge {
     #[inline]
     #[must_use]
     pub fn behind(&self, angle_rad: f32) -> Pose {
+        Pose::new(self.turned(angle_rad), self.rest.translation())
+    }
+
+    /// Its orientation. A hinge that is not turned at rest, as most, costs no product.
+    #[inline]
+    fn turned(&self, angle_rad: f32) -> Quat {
         let turn = turn_about(self.axis, angle_rad);
-        Pose::new(self.rest.quat() * turn, self.rest.translation())
+        if self.rest.rotation == Pose::IDENTITY.rotation {
+            turn
+        } else {
+            self.rest.quat() * turn
+        }
     }
 
     /// The same in the frame of what `base` is given in, its orientation of unit length to rounding: the second
     /// and the third hinge of a ball rest where the one before them is, which costs nothing.
     #[inline]
     pub(crate) fn placed(&self, base: &Pose, angle_rad: f32) -> Pose {
-        let mut turn = turn_about(self.axis, angle_rad);
         let mut place = base.translation();
         if self.rest.position != [0.0; 3] {
             place += base.quat() * self.rest.translation();
         }
-        if self.rest.rotation != Pose::IDENTITY.rotation {
-            turn = self.rest.quat() * turn;
-        }
-        Pose::new(math::renormalised(base.quat() * turn), place)
+        let turn = base.quat() * self.turned(angle_rad);
+        Pose::new(math::renormalised(turn), place)
     }
 }
 

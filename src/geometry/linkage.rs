@@ -19,8 +19,8 @@ impl Linkage<'_> {
     /// to the root.
     #[must_use]
     pub fn link(&self, joint: usize, angle_rad: impl Fn(usize) -> f32) -> Pose {
-        let mut pose = Pose::IDENTITY;
-        let mut next = joint as u32 + 1;
+        let mut pose = self.behind(joint, angle_rad(joint));
+        let mut next = self.parents[joint];
         while let Some(index) = next.checked_sub(1) {
             let index = index as usize;
             pose = self.behind(index, angle_rad(index)).then(&pose);

@@ -14,7 +14,9 @@
 //! it is missed by: second derivatives count. With them a step leaves about its own square to be turned, and
 //! a chain that follows its tracker from frame to frame takes one: the search ends where that square is
 //! small. What goals that have to be met exactly leave would not be mended by a later frame, and their
-//! search goes on. Where a step gains little all the same, one joint is turned alone.
+//! search goes on. Where a push bends more than the change of the angles bears, as at a saddle of its height,
+//! a host's search climbs along the curve of least changes ([`climb`]). Where a step gains little all the
+//! same, one joint is turned alone.
 //!
 //! Newton's method stalls at a straight arm whose goal is toward its shoulder, at joints on their limits
 //! and out of reach. It is damped more when a step fails (Levenberg 1944). Where exact goals still are
@@ -23,6 +25,7 @@
 //! would make a chain jump.
 
 mod alone;
+mod climb;
 mod metric;
 mod program;
 mod spot;
@@ -76,20 +79,44 @@ const STALL_STEPS: u32 = 4;
 /// Takes up to `steps` steps from `angles`, which stay within the limits.
 ///
 /// A step is one linearisation, at most three times [`PASSES_MAX`] factorisations of a matrix with as
-/// many rows as goals and two for each ball, as many and eight more of one with as many rows as joints, and
-/// at most six forward kinematics; near the goals it is one solution and one forward kinematics. With all
-/// goals met at the tracked angles no step is taken. Fewer than six steps left mean no restart.
+/// many rows as goals and two for each ball, as many and eight more of one with as many rows as joints, for
+/// pushes up to a hundred more of those, and at most six forward kinematics; near the goals it is one
+/// solution and one forward kinematics. With all goals met at the tracked angles no step is taken. Fewer than
+/// six steps left mean no restart.
 pub fn least_deviation(task: &Task, angles: &mut [f32], steps: u32) -> Reached {
-    least_deviation_paid(task, angles, steps, None, &mut || true).0
+    search(task, angles, steps, None, Manner::Climbs, &mut || true).0
 }
 
-/// The same, with every step paid for; it ends where paying is refused, and is no different before. Where the
-/// angles take the links may be known, and is told.
+/// The same for a chain that follows its tracker, with every step paid for; it ends where paying is refused.
+/// Where the angles take the links may be known, and is told.
+///
+/// It does not climb: a push a millimetre deep at a saddle would turn a joint by ten degrees and more from one
+/// frame to the next, where the root may give way instead.
 pub(crate) fn least_deviation_paid(
     task: &Task,
     angles: &mut [f32],
     steps: u32,
     known: Option<&Posture>,
+    pay: &mut dyn FnMut() -> bool,
+) -> (Reached, Posture) {
+    search(task, angles, steps, known, Manner::Follows, pay)
+}
+
+/// How a search for pushes goes on where their height bends more than the change of the angles bears.
+#[derive(Clone, Copy, PartialEq)]
+enum Manner {
+    /// Along the curve of least changes, however far that is.
+    Climbs,
+    /// With less of the curvature, or one joint alone.
+    Follows,
+}
+
+fn search(
+    task: &Task,
+    angles: &mut [f32],
+    steps: u32,
+    known: Option<&Posture>,
+    manner: Manner,
     pay: &mut dyn FnMut() -> bool,
 ) -> (Reached, Posture) {
     let start = task.start(angles);
@@ -99,21 +126,21 @@ pub(crate) fn least_deviation_paid(
     };
     let mut used = 0;
     if !(best.is_met && best.cost == 0.0) {
-        used = descend(task, &mut best, steps, false, pay);
+        used = descend(task, &mut best, steps, false, manner, pay);
         let mut restart = 0;
         while restart < RESTARTS_MAX
             && steps - used >= RESTART_STEPS_MIN
             && best.misses_exactly(task)
         {
             let mut other = Spot::new(task, restarted(task, best.q.len(), restart));
-            used += descend(task, &mut other, steps - used, false, pay);
+            used += descend(task, &mut other, steps - used, false, manner, pay);
             if other.is_met || other.shortfall < best.shortfall {
                 best = other;
             }
             restart += 1;
         }
         if restart > 0 && !best.is_met {
-            used += descend(task, &mut best, steps - used, true, pay);
+            used += descend(task, &mut best, steps - used, true, manner, pay);
         }
     }
     for (angle, &found) in angles.iter_mut().zip(&best.q) {
@@ -133,12 +160,12 @@ fn descend(
     spot: &mut Spot,
     steps: u32,
     patient: bool,
+    manner: Manner,
     pay: &mut dyn FnMut() -> bool,
 ) -> u32 {
     let least_damping = if spot.is_soft { DAMPING_SOFT } else { DAMPING };
     let mut damping = least_damping;
-    let mut used = 0;
-    let (mut mark, mut since) = (spot.shortfall, 0);
+    let (mut used, mut mark, mut since) = (0, spot.shortfall, 0);
     // Where the goals were last met before a step left them.
     let mut cheapest: Option<Spot> = None;
     while used < steps && pay() {
@@ -149,7 +176,7 @@ fn descend(
             spot: next,
             turned,
             is_newton,
-        } = match step(task, spot, restores, damping) {
+        } = match step(task, spot, restores, manner, damping) {
             Ok(next) => next,
             Err(turned) => {
                 let is_far = spot.is_soft && turned > TURN_SURE;
@@ -199,11 +226,17 @@ struct Step {
 }
 
 /// One step; where it is not worth going, the most that it would turn a joint, in radians.
-fn step(task: &Task, spot: &Spot, restores: bool, damping: f32) -> Result<Step, f32> {
+fn step(
+    task: &Task,
+    spot: &Spot,
+    restores: bool,
+    manner: Manner,
+    damping: f32,
+) -> Result<Step, f32> {
     if spot.q.len() <= NARROW {
-        step_of::<NARROW>(task, spot, restores, damping)
+        step_of::<NARROW>(task, spot, restores, manner, damping)
     } else {
-        step_of::<CHAIN_HINGES_MAX>(task, spot, restores, damping)
+        step_of::<CHAIN_HINGES_MAX>(task, spot, restores, manner, damping)
     }
 }
 
@@ -212,6 +245,7 @@ fn step_of<const W: usize>(
     task: &Task,
     spot: &Spot,
     restores: bool,
+    manner: Manner,
     damping: f32,
 ) -> Result<Step, f32> {
     let points = task.used_goals().chunk_by(Goal::is_beside);
@@ -223,7 +257,10 @@ fn step_of<const W: usize>(
     program.solve(task);
     // What goals that have to be met exactly press with far from them is not what they press with there.
     let along = restores || asks_exactly(task);
-    let is_newton = program.bend(task, &spot.placed, &levers, along);
+    // Away from the goals of pushes, which are the whole task.
+    let may_climb = manner == Manner::Climbs && !spot.is_met;
+    let climbs = may_climb && !spot.is_soft && !asks_exactly(task);
+    let is_newton = program.bend(task, &spot.placed, &levers, along, climbs);
     let angles = program.angles();
     let Some((next, is_whole)) = guarded(task, spot, &angles, program.penalty()) else {
         return Err(most_turned(&spot.q, &angles));

@@ -60,6 +60,27 @@ impl<const W: usize> Metric<W> {
         product(&self.rows[joint], x)
     }
 
+    /// A multiple of it.
+    pub(super) fn times(&self, by: f64) -> Self {
+        Self {
+            rows: self.rows.map(|row| row.map(|entry| entry * by)),
+            is_unit: false,
+        }
+    }
+
+    /// No eigenvalue is larger (Gershgorin 1931).
+    pub(super) fn most(&self, joints: usize) -> f64 {
+        let rows = self.rows.iter().take(joints);
+        let sums = rows.map(|row| row.iter().map(|x| x.abs()).sum::<f64>());
+        sums.fold(0.0, math::max_f64)
+    }
+
+    /// The square of some turns.
+    pub(super) fn square(&self, x: &Wide<W>) -> f64 {
+        let rows = self.rows.iter().zip(x);
+        rows.map(|(row, x_i)| x_i * product(row, x)).sum()
+    }
+
     /// Adds the square of a row.
     pub(super) fn add_square(&mut self, row: &Wide<W>, stiffness: f64, joints: usize) {
         self.is_unit = false;
@@ -96,13 +117,13 @@ impl<const W: usize> Metric<W> {
         }
     }
 
-    /// The same with curvature.
-    pub(super) fn with(&self, bent: &Self, joints: usize) -> Self {
+    /// The same with a part of a curvature.
+    pub(super) fn with(&self, bent: &Self, part: f64, joints: usize) -> Self {
         let mut whole = self.clone();
         whole.is_unit = false;
         for i in 0..joints {
             for j in 0..W {
-                whole.rows[i][j] += bent.rows[i][j];
+                whole.rows[i][j] += part * bent.rows[i][j];
             }
         }
         whole

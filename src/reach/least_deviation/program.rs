@@ -41,7 +41,7 @@ const ROWS_MAX: usize = CHAIN_GOALS_MAX + 2 * CHAIN_BALLS_MAX;
 /// program's way lowers it.
 const PENALTY_FACTOR: f32 = 1.5;
 
-type Rows<T> = ArrayVec<T, ROWS_MAX>;
+pub(super) type Rows<T> = ArrayVec<T, ROWS_MAX>;
 
 /// Chains of no more hinges than this have programs of this width.
 pub(super) const NARROW: usize = CHAIN_HINGES_MAX / 2;
@@ -74,10 +74,10 @@ fn lead(short: f32) -> f32 {
 }
 
 /// One linearised goal or edge.
-struct Line<const W: usize> {
-    row: Wide<W>,
+pub(super) struct Line<const W: usize> {
+    pub(super) row: Wide<W>,
     /// The height that is asked for, above where the point is.
-    need: f64,
+    pub(super) need: f64,
     is_exact: bool,
     softness: f64,
     /// The row's product with itself and its softness.
@@ -85,8 +85,8 @@ struct Line<const W: usize> {
     /// What is added to the diagonal of the matrix.
     added: f64,
     /// The multiplier.
-    force: f64,
-    presses: bool,
+    pub(super) force: f64,
+    pub(super) presses: bool,
 }
 
 /// How goals bend on a way.
@@ -102,18 +102,20 @@ struct Bent {
 
 /// A program for at most `W` joints.
 pub(super) struct Program<const W: usize> {
-    lines: Rows<Line<W>>,
-    joints: usize,
+    pub(super) lines: Rows<Line<W>>,
+    /// How many of them are goals'; cones' follow.
+    pub(super) goal_lines: usize,
+    pub(super) joints: usize,
     /// Where it is linearised; zero beyond the joints.
-    q: Wide<W>,
+    pub(super) q: Wide<W>,
     /// First derivatives of the cost there.
-    slope: Wide<W>,
+    pub(super) slope: Wide<W>,
     /// Second derivatives of the cost.
-    metric: Metric<W>,
+    pub(super) metric: Metric<W>,
     /// Those among the joints that are not at their limits.
-    factor: Factor<W>,
+    pub(super) factor: Factor<W>,
     /// The turns found.
-    turns: Wide<W>,
+    pub(super) turns: Wide<W>,
 }
 
 impl<const W: usize> Program<W> {
@@ -124,6 +126,7 @@ impl<const W: usize> Program<W> {
         let joints = spot.q.len();
         Self {
             lines: Rows::new(),
+            goal_lines: 0,
             joints,
             q: padded(&spot.q),
             slope: [0.0; W],
@@ -151,6 +154,7 @@ impl<const W: usize> Program<W> {
             }
         }
         let largest = self.add_goals(task, levers);
+        self.goal_lines = self.lines.len();
         if damping >= DAMPING_RAISED {
             self.metric.damp(f64::from(damping), joints);
         }
@@ -217,13 +221,15 @@ impl<const W: usize> Program<W> {
 
     /// Solves again with second derivatives, where they matter: with those of the Lagrangian, and then as
     /// much more is asked for as the goals bend away from their tangents. With `along`, those of each joint
-    /// alone are taken. Whether the turns found are those of a Newton step.
+    /// alone are taken. With `climbs`, a way up is looked for where there is more of them than the change of the
+    /// angles bears. Whether the turns found are those of a Newton step.
     pub(super) fn bend(
         &mut self,
         task: &Task,
         posture: &Posture,
         levers: &[Levers],
         along: bool,
+        climbs: bool,
     ) -> bool {
         let mut is_newton = true;
         let straight = self.metric.clone();
@@ -241,6 +247,12 @@ impl<const W: usize> Program<W> {
             let curvature = Metric::curved(&torques, posture);
             if is_straight && curvature.largest() <= CURVED_MIN {
                 return is_newton;
+            }
+            if climbs && !self.bears(&straight, &curvature) {
+                let part = f64::from(self.turned().1);
+                if self.climb(task, &straight, &curvature, part) {
+                    return false;
+                }
             }
             is_newton &= self.curve(&straight, &curvature, along);
             self.solve(task);
@@ -297,11 +309,20 @@ impl<const W: usize> Program<W> {
         bent
     }
 
+    /// Whether the change of the angles has more curvature in every direction, limits or not.
+    fn bears(&self, straight: &Metric<W>, bent: &Metric<W>) -> bool {
+        if straight.is_unit() && bent.most(self.joints) <= 1.0 - PIVOT_MIN {
+            return true;
+        }
+        let whole = straight.with(bent, 1.0, self.joints);
+        Factor::new(&whole, &[true; W], self.joints).least_pivot() >= PIVOT_MIN
+    }
+
     /// Takes curvature into the metric, `along` each joint alone or with all that joints do to each other;
     /// whether all of it was taken.
     fn curve(&mut self, straight: &Metric<W>, bent: &Metric<W>, along: bool) -> bool {
         if !along {
-            let whole = straight.with(bent, self.joints);
+            let whole = straight.with(bent, 1.0, self.joints);
             let factor = Factor::new(&whole, &[true; W], self.joints);
             if factor.least_pivot() >= PIVOT_MIN {
                 self.factor = factor.among(&whole, self.factor.free());
@@ -315,7 +336,7 @@ impl<const W: usize> Program<W> {
         false
     }
 
-    fn widest(&self) -> f32 {
+    pub(super) fn widest(&self) -> f32 {
         let turns = self.turns.iter().map(|turn| turn.abs());
         turns.fold(0.0, math::max_f64) as f32
     }
@@ -548,7 +569,7 @@ fn padded<const W: usize>(angles: &[f32]) -> Wide<W> {
 }
 
 /// [`Hinge::kept`] in f64, for a turn from an angle.
-fn kept(hinge: &Hinge, from: f64, turn: f64) -> f64 {
+pub(super) fn kept(hinge: &Hinge, from: f64, turn: f64) -> f64 {
     let (low, high) = (
         f64::from(hinge.low_rad) - from,
         f64::from(hinge.high_rad) - from,
