@@ -73,6 +73,10 @@ pub const RESTARTS_MAX: u32 = 3;
 /// With fewer steps left no search begins again.
 const RESTART_STEPS_MIN: u32 = 6;
 
+/// A search that climbs does so in its first steps. Where that is not enough, as among joints that come to their
+/// limits again and again, it goes on as one that follows.
+const CLIMB_STEPS: u32 = 6;
+
 /// In so many steps the missed distance is to fall to half, or the search begins again.
 const STALL_STEPS: u32 = 4;
 
@@ -87,11 +91,16 @@ pub fn least_deviation(task: &Task, angles: &mut [f32], steps: u32) -> Reached {
     search(task, angles, steps, None, Manner::Climbs, &mut || true).0
 }
 
-/// The same for a chain that follows its tracker, with every step paid for; it ends where paying is refused.
-/// Where the angles take the links may be known, and is told.
+/// The same for a chain that follows its tracker from frame to frame, as the world's do.
 ///
 /// It does not climb: a push a millimetre deep at a saddle would turn a joint by ten degrees and more from one
 /// frame to the next, where the root may give way instead.
+pub fn least_deviation_following(task: &Task, angles: &mut [f32], steps: u32) -> Reached {
+    least_deviation_paid(task, angles, steps, None, &mut || true).0
+}
+
+/// The same with every step paid for; it ends where paying is refused. Where the angles take the links may be
+/// known, and is told.
 pub(crate) fn least_deviation_paid(
     task: &Task,
     angles: &mut [f32],
@@ -109,6 +118,13 @@ enum Manner {
     Climbs,
     /// With less of the curvature, or one joint alone.
     Follows,
+}
+
+impl Manner {
+    /// Whether a step climbs, counted from one.
+    fn climbs(self, step: u32) -> bool {
+        self == Self::Climbs && step <= CLIMB_STEPS
+    }
 }
 
 fn search(
@@ -176,7 +192,7 @@ fn descend(
             spot: next,
             turned,
             is_newton,
-        } = match step(task, spot, restores, manner, damping) {
+        } = match step(task, spot, restores, manner.climbs(used), damping) {
             Ok(next) => next,
             Err(turned) => {
                 let is_far = spot.is_soft && turned > TURN_SURE;
@@ -226,17 +242,11 @@ struct Step {
 }
 
 /// One step; where it is not worth going, the most that it would turn a joint, in radians.
-fn step(
-    task: &Task,
-    spot: &Spot,
-    restores: bool,
-    manner: Manner,
-    damping: f32,
-) -> Result<Step, f32> {
+fn step(task: &Task, spot: &Spot, restores: bool, climbs: bool, damping: f32) -> Result<Step, f32> {
     if spot.q.len() <= NARROW {
-        step_of::<NARROW>(task, spot, restores, manner, damping)
+        step_of::<NARROW>(task, spot, restores, climbs, damping)
     } else {
-        step_of::<CHAIN_HINGES_MAX>(task, spot, restores, manner, damping)
+        step_of::<CHAIN_HINGES_MAX>(task, spot, restores, climbs, damping)
     }
 }
 
@@ -245,7 +255,7 @@ fn step_of<const W: usize>(
     task: &Task,
     spot: &Spot,
     restores: bool,
-    manner: Manner,
+    climbs: bool,
     damping: f32,
 ) -> Result<Step, f32> {
     let points = task.used_goals().chunk_by(Goal::is_beside);
@@ -258,8 +268,7 @@ fn step_of<const W: usize>(
     // What goals that have to be met exactly press with far from them is not what they press with there.
     let along = restores || asks_exactly(task);
     // Away from the goals of pushes, which are the whole task.
-    let may_climb = manner == Manner::Climbs && !spot.is_met;
-    let climbs = may_climb && !spot.is_soft && !asks_exactly(task);
+    let climbs = climbs && !spot.is_met && !spot.is_soft && !asks_exactly(task);
     let is_newton = program.bend(task, &spot.placed, &levers, along, climbs);
     let angles = program.angles();
     let Some((next, is_whole)) = guarded(task, spot, &angles, program.penalty()) else {

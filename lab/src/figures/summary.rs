@@ -113,6 +113,7 @@ fn first_contacts(samples: &[Sample]) -> Vec<FirstContact> {
             first + ONSET_FRAMES,
             first + ONSET_FRAMES + SUSTAINED_FRAMES,
         ),
+        steps_after_mean: mean(first + ONSET_FRAMES, last + 1),
     };
     contact_stretches(&contacts).iter().map(one).collect()
 }

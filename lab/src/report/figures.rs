@@ -77,6 +77,8 @@ pub struct FirstContact {
     pub steps_onset_mean: f64,
     /// The same over the 100 frames after those.
     pub steps_sustained_mean: f64,
+    /// The same over all frames of the contact after the first 20.
+    pub steps_after_mean: f64,
 }
 
 /// How a figure came to rest.
@@ -191,7 +193,13 @@ impl FigureScene {
         ];
         let wrist = self.wrist.iter().flat_map(|w| [w.off_mm_max, w.gap_mm_max]);
         let contacts = self.first_contacts.iter();
-        let contacts = contacts.flat_map(|c| [c.steps_onset_mean, c.steps_sustained_mean]);
+        let contacts = contacts.flat_map(|c| {
+            [
+                c.steps_onset_mean,
+                c.steps_sustained_mean,
+                c.steps_after_mean,
+            ]
+        });
         let samples = self.samples.iter().flat_map(|s| {
             [
                 s.time_us,

@@ -37,7 +37,7 @@ pub(super) const WRIST_HEADING: &str = "Tracker at the wrist";
 
 /// Over what [`onset_sentence`] says.
 pub(super) const ONSET_HEADING: &str = "Mean solver steps a frame in the first 20 frames of contact, \
-                                        then in the next 100";
+                                        in the next 100, and in all after the first 20";
 
 fn lines(
     heading: &str,
@@ -175,13 +175,15 @@ pub(super) fn onset_sentence(scene: &FigureScene) -> Option<String> {
     };
     let onset = average(|c| c.steps_onset_mean);
     let sustained = average(|c| c.steps_sustained_mean);
+    let after = average(|c| c.steps_after_mean);
     Some(format!(
-        "{}, {}: {} then {}, {} ({contacts} from frame {} on)",
+        "{}, {}: {}, {}, {}: {} ({contacts} from frame {} on)",
         scene.figure,
         scene.name,
         mean(onset),
         mean(sustained),
-        if sustained < onset {
+        mean(after),
+        if after < onset {
             "falls"
         } else {
             "does not fall"

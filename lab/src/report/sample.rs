@@ -212,6 +212,7 @@ fn scene(figure: &str, name: &str) -> FigureScene {
                 frames: 355,
                 steps_onset_mean: 127.25,
                 steps_sustained_mean: 182.75,
+                steps_after_mean: 96.5,
             })
             .to_vec(),
         rest: Some(Rest {

@@ -45,6 +45,7 @@ fn colour(method: Method) -> RGBColor {
     match method {
         Method::CyclicDescent => RGBColor(0x35, 0x61, 0x1E),
         Method::LeastDeviation => RGBColor(0x1F, 0x4E, 0x79),
+        Method::Following => RGBColor(0x5B, 0x9B, 0xD5),
         Method::Jacobian => RGBColor(0xB0, 0x41, 0x3A),
     }
 }

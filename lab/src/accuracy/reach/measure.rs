@@ -6,7 +6,7 @@ use std::time::Instant;
 use palpable::geometry::chain::posture;
 use palpable::reach::cyclic_descent::cyclic_descent;
 use palpable::reach::goal::{Reached, Task, worst_m};
-use palpable::reach::least_deviation::least_deviation;
+use palpable::reach::least_deviation::{least_deviation, least_deviation_following};
 use serde::Serialize;
 
 use super::cases::{Case, Class, TOLERANCE_M, case, random};
@@ -29,19 +29,27 @@ pub enum Method {
     CyclicDescent,
     /// The kernel's own.
     LeastDeviation,
+    /// The same as the chains of a world use it from frame to frame.
+    Following,
     /// The `k` crate's, in f64.
     Jacobian,
 }
 
 impl Method {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::CyclicDescent, Self::LeastDeviation, Self::Jacobian];
+    pub const ALL: [Self; 4] = [
+        Self::CyclicDescent,
+        Self::LeastDeviation,
+        Self::Following,
+        Self::Jacobian,
+    ];
 
     /// The name for people.
     pub fn name(self) -> &'static str {
         match self {
             Self::CyclicDescent => "cyclic descent",
             Self::LeastDeviation => "least deviation",
+            Self::Following => "least deviation in frames",
             Self::Jacobian => "k, Jacobian, f64",
         }
     }
@@ -51,6 +59,7 @@ impl Method {
         match self {
             Self::CyclicDescent => Some(cyclic_descent),
             Self::LeastDeviation => Some(least_deviation),
+            Self::Following => Some(least_deviation_following),
             Self::Jacobian => None,
         }
     }
