@@ -15,7 +15,7 @@
 //! a chain that follows its tracker from frame to frame takes one: the search ends where that square is
 //! small. What goals that have to be met exactly leave would not be mended by a later frame, and their
 //! search goes on. Where a push bends more than the change of the angles bears, as at a saddle of its height,
-//! a host's search climbs along the curve of least changes ([`climb`]). Where a step gains little all the
+//! a host's search climbs along the curve of least changes. Where a step gains little all the
 //! same, one joint is turned alone.
 //!
 //! Newton's method stalls at a straight arm whose goal is toward its shoulder, at joints on their limits
