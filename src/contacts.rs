@@ -120,17 +120,38 @@ pub(crate) fn is_clear_of_loose(
 }
 
 /// Whether two pieces are clear of each other but for the slop; false, too, when the units ran out.
-fn are_clear(state: &State, pieces: [usize; 2], poses: &[Pose; 2], purse: &mut Purse) -> bool {
+pub(crate) fn are_clear(
+    state: &State,
+    pieces: [usize; 2],
+    poses: &[Pose; 2],
+    purse: &mut Purse,
+) -> bool {
+    way_off(state, pieces, poses, 0.0, purse) == Some(Vec3::ZERO)
+}
+
+/// How the first of two pieces gets so far away from the other one if they overlap by more than the slop; zero when
+/// they do not, `None` when the units ran out. Spends a distance query when the boxes overlap.
+pub(crate) fn way_off(
+    state: &State,
+    pieces: [usize; 2],
+    poses: &[Pose; 2],
+    rest_m: f32,
+    purse: &mut Purse,
+) -> Option<Vec3> {
     let [a, b] = pieces.map(|piece| &state.pieces.shape[piece]);
     let [pose_a, pose_b] = poses;
     if Bounds::of(a, pose_a).gap(&Bounds::of(b, pose_b)) >= 0.0 {
-        return true;
+        return Some(Vec3::ZERO);
     }
     if !purse.take(contacts::query_units(a, b)) {
-        return false;
+        return None;
     }
     let (a, b) = (state.pools.convex(a), state.pools.convex(b));
-    separation(&a, &b, pose_a, pose_b, Vec3::ZERO).gap_m > -OVERLAP_SLOP_M
+    let found = separation(&a, &b, pose_a, pose_b, Vec3::ZERO);
+    if found.gap_m > -OVERLAP_SLOP_M {
+        return Some(Vec3::ZERO);
+    }
+    Some(found.normal * (rest_m - found.gap_m))
 }
 
 /// The moving piece's pose where the body is.

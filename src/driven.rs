@@ -6,6 +6,7 @@
 
 pub(crate) mod apart;
 mod cones;
+mod followers;
 mod line;
 mod settled;
 

@@ -1,7 +1,7 @@
 //! Driven bodies with balls that loose objects stop on their way: between two postures whose limbs are within
 //! their reach cones, the angles pass through others.
 
-use super::{pays_for_pairs, purses};
+use super::{followers, pays_for_pairs, purses};
 use crate::frame::{FrameReport, Spending};
 use crate::state::State;
 use crate::state::bodies::{BodyKind, DrivenReport};
@@ -16,8 +16,8 @@ const STEPS_BACK: u32 = 16;
 /// Has bodies that loose objects stopped stop where every ball is within its cone.
 ///
 /// The balls are taken into their cones where the body stopped, if it is clear of everything then. Else it stops
-/// earlier on its way, where no loose body followed it, or where its leg began when there is no such place. Without
-/// units to look for one it stays where it stopped, reports that it was cut, and comes back into its cones when it
+/// earlier on its way, where no loose body followed it, or where its leg began when there is no such place: what
+/// followed it there steps back ([`followers`]). Without units to look for one it stays where it stopped, reports that it was cut, and comes back into its cones when it
 /// moves on: there is no overlap. Spends units of the advance, and when those run out what `spare` has.
 pub(crate) fn stop_within_cones(
     state: &mut State,
@@ -48,7 +48,9 @@ pub(crate) fn stop_within_cones(
                 flags = DrivenReport::CUT;
                 state.bodies.report[body].flags |= flags;
             } else if !stopped {
+                let begun = state.legs.of(body)[at.leg].at(at.leg, 0.0);
                 stop_at(state, body, &at, 0.0);
+                followers::step_back(state, body, &begun, &mut purses.units);
             }
             purses.book(flags, report);
         }

@@ -15,8 +15,9 @@
 //! a chain that follows its tracker from frame to frame takes one: the search ends where that square is
 //! small. What goals that have to be met exactly leave would not be mended by a later frame, and their
 //! search goes on. Where a push bends more than the change of the angles bears, as at a saddle of its height,
-//! a host's search climbs along the curve of least changes. Where a step gains little all the
-//! same, one joint is turned alone.
+//! a host's search climbs along the curve of least changes for a height with second derivatives (More 1993,
+//! "Generalizations of the trust region problem"). Where a step gains little all the same, one joint is turned
+//! alone.
 //!
 //! Newton's method stalls at a straight arm whose goal is toward its shoulder, at joints on their limits
 //! and out of reach. It is damped more when a step fails (Levenberg 1944). Where exact goals still are

@@ -296,6 +296,7 @@ impl Shape {
 }
 
 /// The pieces of a body, in the order they were added.
+#[derive(Clone)]
 pub(crate) struct PiecesOf<'a> {
     next: &'a [u32],
     current: u32,
