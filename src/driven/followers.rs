@@ -18,6 +18,7 @@ use crate::state::purse::Purse;
 use crate::state::ways::{Position, obstacle_pose, piece_pose};
 
 /// Takes loose bodies out of a driven one at a place.
+#[cold]
 pub(super) fn step_back(state: &mut State, body: usize, at: &Position, purse: &mut Purse) {
     for follower in 0..state.registers.body_slots as usize {
         // What the host's own engine moves is where that has it.
