@@ -484,15 +484,13 @@ fn outside(world: &World, cast: &Cast) -> Vec<Outside> {
 }
 
 /// Overlaps that are deeper than promised, with what rounding may have taken off them. One that was stays so
-/// until it is less than promised by more than rounding. So are links that the host put into each other by almost as
-/// much as is promised: the kernel leaves them so, and where they come to is rounded anew.
+/// until it is less than promised by more than rounding.
 fn beyond(world: &World, found: &[Overlap], before: &[Known]) -> Vec<Known> {
     let mut known = Vec::new();
     for overlap in found {
         let rounding_m = rounding_m(world, overlap);
         let was = before.iter().any(|(pieces, _)| *pieces == overlap.pieces);
-        let may_round = was || overlap.class == Class::Links;
-        let kept_m = if may_round { rounding_m } else { 0.0 };
+        let kept_m = if was { rounding_m } else { 0.0 };
         if overlap.depth_m > overlap.class.limit_m() - kept_m {
             known.push((overlap.pieces, overlap.depth_m + rounding_m));
         }
