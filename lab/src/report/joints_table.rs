@@ -183,7 +183,7 @@ pub(super) fn onset_sentence(scene: &FigureScene) -> Option<String> {
         mean(onset),
         mean(sustained),
         mean(after),
-        if after < onset {
+        if sustained < onset {
             "falls"
         } else {
             "does not fall"
