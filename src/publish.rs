@@ -183,11 +183,14 @@ fn settle_chains(state: &mut State, body: usize) {
             .zip(&joints.target[range.clone()])
             .zip(&state.ways.wanted[range.clone()]);
         let mut most = 0.0;
-        for (kept, ((angle, target), wanted)) in joints.deviation[range].iter_mut().zip(known) {
+        let held = joints.deviation[range.clone()].iter_mut();
+        let held = held.zip(&mut joints.pressed[range]);
+        for ((kept, pressed), ((angle, target), wanted)) in held.zip(known) {
             let deviation = angle - target;
             if angle != wanted {
                 *kept = deviation;
             }
+            *pressed = angle - wanted;
             most = math::max(most, deviation.abs());
         }
         state.chains.report[index].deviation_rad = most;

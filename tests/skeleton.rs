@@ -70,15 +70,14 @@ fn add_arm(world: &mut World, shoulder: Pose, options: ChainOptions) -> (BodyId,
 
 /// Ends of the arm's segments in double precision, from the published angles alone.
 fn ends(world: &World, body: BodyId, chain: ChainId) -> Vec<DVec3> {
-    let root = world.pose(body).unwrap();
+    ends_at(&world.pose(body).unwrap(), world.angles(chain).unwrap())
+}
+
+fn ends_at(root: &Pose, angles: &[f32]) -> Vec<DVec3> {
     let mut turn = DQuat::from_array(root.rotation.map(f64::from)).normalize();
     let mut at = DVec3::from_array(root.position.map(f64::from));
     let mut found = vec![];
-    for (index, (joint, &angle)) in arm_joints()
-        .iter()
-        .zip(world.angles(chain).unwrap())
-        .enumerate()
-    {
+    for (index, (joint, &angle)) in arm_joints().iter().zip(angles).enumerate() {
         let JointDef::Hinge(hinge) = joint else {
             unreachable!()
         };
@@ -100,9 +99,11 @@ fn step(world: &mut World, body: BodyId, root: &Pose) -> FrameReport {
 
 /// How deep the arm is behind the plane z = `wall`, in metres; the wall is on the side of -Z.
 fn depth_m(world: &World, body: BodyId, chain: ChainId, wall: f64) -> f64 {
-    let lowest = ends(world, body, chain)
-        .iter()
-        .fold(f64::INFINITY, |low, end| low.min(end.z));
+    deepest_m(&ends(world, body, chain), wall)
+}
+
+fn deepest_m(ends: &[DVec3], wall: f64) -> f64 {
+    let lowest = ends.iter().fold(f64::INFINITY, |low, end| low.min(end.z));
     wall - (lowest - f64::from(RADIUS_M))
 }
 
@@ -149,6 +150,68 @@ fn an_arm_at_a_wall_stays_outside() {
     assert!(deepest > -1e-3, "the arm comes to the wall: {deepest} m");
     assert!(steps > 0 && jump < 3.0_f32.to_radians(), "{steps} {jump}");
     assert_eq!(world.pose(body).unwrap(), shoulder);
+}
+
+/// Schmidl and Lin 2004, figure 7: the method of the paper does most where contact begins, for what contact did in one
+/// frame it does about as much of in the next. When the tracker comes back the hand stays at the wall until the tracker
+/// leaves it.
+#[test]
+fn sweeps_of_an_arm_at_a_wall_become_few_and_it_does_not_hover() {
+    const PUSH: u32 = 180;
+    const STAY: u32 = 60;
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    add_box(
+        &mut world,
+        BodyKind::Fixed,
+        Pose::at(0.0, 1.2, -0.55),
+        [2.0, 2.0, 0.1],
+    );
+    let shoulder = Pose::at(0.0, 1.4, 0.0);
+    let options = ChainOptions {
+        method: ChainOptions::CYCLIC_DESCENT,
+        ..ChainOptions::DEFAULT
+    };
+    let (body, chain) = add_arm(&mut world, shoulder, options);
+    let mut before = vec![0.0, 0.0, 0.0, 0.3, 0.0, 0.0, 0.0];
+    world.place_angles(chain, &before).unwrap();
+    let (mut sweeps, mut jump, mut hovers) = (vec![], 0.0_f32, 0.0_f64);
+    for frame in 0..2 * PUSH + STAY {
+        let into = frame.min(PUSH).min((2 * PUSH + STAY).saturating_sub(frame));
+        let t = into as f32 / PUSH as f32;
+        let s = 0.5 - 0.5 * (t * core::f32::consts::PI).cos();
+        let angles = [
+            1.5 * s,
+            0.1 * s,
+            0.0,
+            0.25 * (1.0 - s) + 0.05,
+            0.0,
+            0.0,
+            0.0,
+        ];
+        world.set_angles(chain, &angles).unwrap();
+        let report = step(&mut world, body, &shoulder);
+        let depth_m = depth_m(&world, body, chain, -0.45);
+        assert!(depth_m <= f64::from(OVERLAP_SLOP_M), "{frame}: {depth_m} m");
+        let wanted_m = deepest_m(&ends_at(&shoulder, &angles), -0.45);
+        if wanted_m > 0.01 {
+            hovers = hovers.max(-depth_m);
+        }
+        if wanted_m > 0.0 && frame < PUSH {
+            sweeps.push(report.reach_steps);
+        }
+        let now = world.angles(chain).unwrap().to_vec();
+        for (a, b) in now.iter().zip(&before) {
+            jump = jump.max((a - b).abs());
+        }
+        before = now;
+    }
+    let mean = |of: &[u32]| f64::from(of.iter().sum::<u32>()) / of.len() as f64;
+    let (first, then) = (mean(&sweeps[..10]), mean(&sweeps[10..]));
+    println!("{first} sweeps a frame, then {then}; {jump} rad; hovers {hovers} m");
+    assert!(first > 0.0 && then < 0.5 * first, "{first}, {then}");
+    assert!(hovers < 2e-4, "{hovers} m");
+    assert!(jump < 3.0_f32.to_radians(), "{jump}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use super::{AttachError, BLOCK_ALIGNMENT, Capacities, CreateError, SnapshotError
 const MAGIC: u64 = u64::from_le_bytes(*b"PALPABLE");
 
 /// Raised whenever a column changes: a block of another layout is refused.
-pub const LAYOUT_VERSION: u32 = 6;
+pub const LAYOUT_VERSION: u32 = 7;
 
 /// What a block says about itself.
 #[repr(C)]

@@ -177,6 +177,8 @@ columns! {
         settled: [f32; capacities.joints],
         /// How far contact holds the angle from its target.
         deviation: [f32; capacities.joints],
+        /// What contact added to the wanted angle in the last frame.
+        pressed: [f32; capacities.joints],
         /// Published pose of the link in the body's frame.
         link: [Pose; capacities.joints],
         /// Published pose of the link in the world.
@@ -280,6 +282,7 @@ impl State<'_> {
         close(joints.previous, &gone, used);
         close(joints.settled, &gone, used);
         close(joints.deviation, &gone, used);
+        close(joints.pressed, &gone, used);
         close(joints.link, &gone, used);
         close(joints.world, &gone, used);
         self.registers.joints -= count as u32;

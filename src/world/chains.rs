@@ -194,6 +194,7 @@ impl World<'_> {
             joints.target[joint] = angle;
             joints.previous[joint] = angle;
             joints.deviation[joint] = 0.0;
+            joints.pressed[joint] = 0.0;
             joint += 1;
             parent = joint as u32;
             joint - 1
@@ -678,6 +679,7 @@ impl World<'_> {
             joints.angle[joint] = joints.target[joint];
             joints.previous[joint] = joints.target[joint];
             joints.deviation[joint] = 0.0;
+            joints.pressed[joint] = 0.0;
         }
         self.state.chains.tip_offset[chain] = Vec3::ZERO;
         self.place_skeleton(self.state.chains.body[chain] as usize);

@@ -14,6 +14,7 @@ use palpable::world::World;
 
 use crate::cast::{BodyOf, Cast};
 use crate::overlap::{Class, Overlap, Overlaps};
+use crate::put::Put;
 
 /// How far a published angle may be outside its range, and a limb outside its cone, in radians.
 const LIMIT_RAD: f64 = 1e-5;
@@ -95,6 +96,9 @@ pub struct Worst {
 
 /// Judges one world, frame by frame: [`Checker::before`] and [`Checker::after`] each step.
 ///
+/// Links that the host put into each other by less than is promised stay so in their body's frame, and show in the world
+/// what rounding their positions makes of it.
+///
 /// What the kernel does not promise is counted apart: a driven body that a loose one stopped in the middle of
 /// the frame may be met by another driven one, and be outside a cone; one that leaves overlap which the host
 /// made goes through loose bodies; and the host's own engine moves its bodies as it likes.
@@ -103,6 +107,8 @@ pub struct Checker {
     overlaps: Overlaps,
     /// Overlaps beyond the limits that the host made, as deep as they were last.
     known: Vec<Known>,
+    /// Links in each other within the limits, as deep as the host put them.
+    put: Put,
     /// The cast's counts of changes and of moves that were looked at.
     seen: (u64, u64),
     frames: u64,
@@ -122,8 +128,10 @@ impl Checker {
         if seen != self.seen {
             let afresh = cast.changes != self.seen.0;
             self.seen = seen;
+            let left = self.overlaps.found().to_vec();
             self.overlaps.measure(cast, world.piece_poses(), afresh);
-            self.known = beyond(world, self.overlaps.found(), &self.known);
+            self.put.note(&left, self.overlaps.found());
+            self.know(world);
             for overlap in self.overlaps.found() {
                 let worst = &mut self.worst.made_m[overlap.class as usize];
                 *worst = worst.max(overlap.depth_m);
@@ -315,8 +323,15 @@ impl Checker {
                 None => self.check_clean(world, cast, &overlap, report)?,
             }
         }
-        self.known = beyond(world, self.overlaps.found(), &self.known);
+        self.put.keep(self.overlaps.found());
+        self.know(world);
         Ok(())
+    }
+
+    /// Notes what is deeper than promised, but for what the host put less deep.
+    fn know(&mut self, world: &World) {
+        self.known = beyond(world, self.overlaps.found(), &self.known);
+        self.known.retain(|(pieces, _)| !self.put.has(*pieces));
     }
 
     /// Overlap that the host made does not grow.
@@ -348,7 +363,10 @@ impl Checker {
         overlap: &Overlap,
         report: &FrameReport,
     ) -> Result<(), Broken> {
-        let worst = if overlap.depth_m <= overlap.class.limit_m() {
+        let put_m = self.put.most_m(overlap, world.piece_poses());
+        let worst = if put_m.is_some_and(|most_m| overlap.depth_m <= most_m) {
+            &mut self.worst.made_m[overlap.class as usize]
+        } else if overlap.depth_m <= overlap.class.limit_m() {
             &mut self.worst.clean_m[overlap.class as usize]
         } else if self.is_excused(world, cast, overlap, report) {
             &mut self.worst.excused_m[overlap.class as usize]

@@ -11,6 +11,7 @@ pub mod invariants;
 pub mod memory;
 pub mod overlap;
 pub mod play;
+pub mod put;
 pub mod reference;
 pub mod scene;
 pub mod tally;

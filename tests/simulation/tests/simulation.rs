@@ -54,6 +54,22 @@ fn nothing_that_a_host_does_breaks_an_invariant() {
     }
 }
 
+/// What the fuzzer found: links that the host put 0.995 mm into each other more than half a kilometre away.
+#[test]
+fn what_bytes_did_once_they_do_not_again() {
+    let found: [&[u8]; 2] = [
+        include_bytes!("found/links_far_away_a"),
+        include_bytes!("found/links_far_away_b"),
+    ];
+    for data in found {
+        let mut tally = Tally::default();
+        if let Err(finding) = play(&mut Bytes::new(data), 2000, &mut tally) {
+            panic!("{finding}");
+        }
+        assert!(tally.frames > 0);
+    }
+}
+
 /// Seeds of scenes in which something was found once.
 const FOUND: [u64; 82] = [
     93, 371, 632, 685, 740, 1080, 1205, 1368, 2027, 4218, 5773, 11211, 14011, 16089, 16956, 17494,
