@@ -1,5 +1,7 @@
 //! Driven bodies that loose objects stopped are not where the others were told that they would be: who
 //! would get into one of them stops earlier, too.
+//!
+//! Where the units run out before that is known, boxes decide: who may get into one of them stays where it was.
 
 use glam::Vec3;
 
@@ -24,7 +26,7 @@ const ROUNDS: u32 = 2;
 
 /// Has bodies stop where they are clear of those that were stopped. Nothing is looked at in a frame in which
 /// nobody was stopped or planned anew. Spends units of the advance: one for each distance query, and parts for
-/// the boxes.
+/// the boxes. What is left to boxes when the units run out is in the floor of a frame.
 pub(crate) fn keep(state: &mut State, spending: &Spending, report: &mut FrameReport) {
     let slots = state.registers.body_slots as usize;
     if state.registers.driven < 2 || !(0..slots).any(|body| is_elsewhere(state, body)) {
@@ -52,7 +54,12 @@ pub(crate) fn keep(state: &mut State, spending: &Spending, report: &mut FrameRep
             break;
         }
     }
+    let runs_out = purses.units.is_closed();
     purses.book(0, report);
+    if runs_out && stay_behind(state) {
+        report.set(FrameReport::ADVANCE_CUT);
+        stopped = true;
+    }
     if stopped {
         stop_within_cones(state, spending, None, report);
     }
@@ -94,6 +101,73 @@ fn keep_out(state: &mut State, body: usize, purse: &mut Purse) -> bool {
     state.legs.stop_time[body] = planned;
     place(state, body);
     false
+}
+
+/// Has bodies stay where they were that may by their boxes get into others which are not where they were told;
+/// whether any does. Those that went as they said come first.
+fn stay_behind(state: &mut State) -> bool {
+    let slots = state.registers.body_slots as usize;
+    let mut any = false;
+    for _ in 0..ROUNDS {
+        let before = any;
+        for strays in [false, true] {
+            for body in 0..slots {
+                let goes = is_body_of(state, body, BodyKind::Driven)
+                    && is_elsewhere(state, body) == strays
+                    && comes_to(state, body).is_some();
+                if goes && may_get_into_another(state, body) && is_room_kept(state, body) {
+                    state.legs.stop_time[body] = 0.0;
+                    state.bodies.report[body].flags |= DrivenReport::CUT;
+                    place(state, body);
+                    any = true;
+                }
+            }
+        }
+        if any == before {
+            break;
+        }
+    }
+    any
+}
+
+/// Whether boxes overlap where a driven body and another one come to, one of which is not where the other was told.
+fn may_get_into_another(state: &State, body: usize) -> bool {
+    let strays = is_elsewhere(state, body);
+    let slots = 0..state.registers.body_slots as usize;
+    let mut others = slots.filter(|&other| {
+        other != body
+            && is_body_of(state, other, BodyKind::Driven)
+            && (strays || is_elsewhere(state, other))
+    });
+    others.any(|other| {
+        let [own, its] =
+            [body, other].map(|of| PiecesOf::new(state.pieces.next, state.bodies.first_piece[of]));
+        own.into_iter().any(|own| {
+            its.clone().any(|its| {
+                state.legs.ahead_bounds[own].overlaps(&state.legs.ahead_bounds[its])
+                    && !passes(state, own, its)
+            })
+        })
+    })
+}
+
+/// Whether no loose body that moved may have come to where a driven one was.
+fn is_room_kept(state: &State, body: usize) -> bool {
+    let own = PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]);
+    let whole = own.clone().fold(Bounds::EMPTY, |whole, piece| {
+        whole.union(state.pieces.bounds[piece])
+    });
+    let slots = 0..state.registers.piece_slots as usize;
+    let mut moved = slots.filter(|&piece| {
+        is_loose_kind(state.pieces.body_kind[piece])
+            && state.islands.near[state.pieces.body[piece] as usize].overlaps(&whole)
+            && loose::piece_pose(state, piece) != state.pieces.world[piece]
+    });
+    !moved.any(|piece| {
+        let (_, bounds) = seat(state, piece);
+        own.clone()
+            .any(|own| state.pieces.bounds[own].overlaps(&bounds))
+    })
 }
 
 /// Whether the host made driven bodies overlap.

@@ -17,8 +17,9 @@ const STEPS_BACK: u32 = 16;
 ///
 /// The balls are taken into their cones where the body stopped, if it is clear of everything then. Else it stops
 /// earlier on its way, where no loose body followed it, or where its leg began when there is no such place: what
-/// followed it there steps back ([`followers`]). Without units to look for one it stays where it stopped, reports that it was cut, and comes back into its cones when it
-/// moves on: there is no overlap. Spends units of the advance, and when those run out what `spare` has.
+/// followed it there steps back ([`followers`]). Where that cannot, or without units to look for such a place, it stays
+/// where it stopped, reports that it was cut, and comes back into its cones when it moves on: there is no overlap. Spends units of the
+/// advance, and when those run out what `spare` has.
 pub(crate) fn stop_within_cones(
     state: &mut State,
     spending: &Spending,
@@ -44,13 +45,12 @@ pub(crate) fn stop_within_cones(
                 is_cut = spare.is_closed();
             }
             let mut flags = 0;
-            if !stopped && is_cut {
+            let begun = state.legs.of(body)[at.leg].at(at.leg, 0.0);
+            if !stopped && !is_cut && followers::step_back(state, body, &begun, &mut purses.units) {
+                stop_at(state, body, &at, 0.0);
+            } else if !stopped {
                 flags = DrivenReport::CUT;
                 state.bodies.report[body].flags |= flags;
-            } else if !stopped {
-                let begun = state.legs.of(body)[at.leg].at(at.leg, 0.0);
-                stop_at(state, body, &at, 0.0);
-                followers::step_back(state, body, &begun, &mut purses.units);
             }
             purses.book(flags, report);
         }

@@ -4,6 +4,7 @@
 //! Their motion stays as it is. Spends units of the advance: a distance query for every two pieces whose boxes
 //! overlap, and parts for the boxes.
 
+use arrayvec::ArrayVec;
 use glam::Vec3;
 
 use crate::contacts::{are_clear, way_off};
@@ -17,24 +18,55 @@ use crate::state::pieces::PiecesOf;
 use crate::state::purse::Purse;
 use crate::state::ways::{Position, obstacle_pose, piece_pose};
 
-/// Takes loose bodies out of a driven one at a place.
+/// Most bodies that step back: more have hardly come to one place within a frame.
+const FOLLOWERS_MAX: usize = 8;
+
+/// Takes loose bodies out of a driven one at a place; false, and nobody moved, when one of them cannot get out or
+/// the units ran out.
 #[cold]
-pub(super) fn step_back(state: &mut State, body: usize, at: &Position, purse: &mut Purse) {
+pub(super) fn step_back(state: &mut State, body: usize, at: &Position, purse: &mut Purse) -> bool {
+    let mut moved: ArrayVec<(usize, Pose), FOLLOWERS_MAX> = ArrayVec::new();
     for follower in 0..state.registers.body_slots as usize {
         // What the host's own engine moves is where that has it.
         if state.bodies.kind[follower] != BodyKind::Dynamic.code() {
             continue;
         }
-        let way = way_out(state, follower, body, at, purse).unwrap_or(Vec3::ZERO);
-        if way == Vec3::ZERO {
+        let stood = state.bodies.pose[follower];
+        let gets_out = leaves(state, follower, body, at, purse);
+        let moves = state.bodies.pose[follower] != stood;
+        if gets_out && (!moves || moved.try_push((follower, stood)).is_ok()) {
             continue;
         }
-        let stood = state.bodies.pose[follower];
-        state.bodies.pose[follower] = stood.moved(way);
-        if !is_clear(state, follower, body, at, purse) {
-            state.bodies.pose[follower] = stood;
+        state.bodies.pose[follower] = stood;
+        for (other, stood) in moved {
+            state.bodies.pose[other] = stood;
         }
+        return false;
     }
+    true
+}
+
+/// Takes one of them out, if it is in there and clear of everything elsewhere; whether it is out then.
+fn leaves(
+    state: &mut State,
+    follower: usize,
+    body: usize,
+    at: &Position,
+    purse: &mut Purse,
+) -> bool {
+    let Some(way) = way_out(state, follower, body, at, purse) else {
+        return false;
+    };
+    if way == Vec3::ZERO {
+        return true;
+    }
+    let stood = state.bodies.pose[follower];
+    state.bodies.pose[follower] = stood.moved(way);
+    let clear = is_clear(state, follower, body, at, purse);
+    if !clear {
+        state.bodies.pose[follower] = stood;
+    }
+    clear
 }
 
 /// The longest way on which a loose body gets out of one piece of a driven one; zero when it is in none, `None` when

@@ -79,13 +79,14 @@ impl Census {
         census
     }
 
-    /// Most tests of two boxes that a frame makes whatever happens: every driven piece against all, and
-    /// loose bodies against bodies, to find the islands.
+    /// Most tests of two boxes that a frame makes whatever happens: every driven piece against all, loose bodies
+    /// against bodies, to find the islands, and driven pieces against each other where a loose body stops one.
     #[must_use]
     pub fn box_tests(&self) -> u64 {
         let [bodies, pieces] = [self.bodies, self.pieces].map(u64::from);
         let [driven, loose] = [self.driven_pieces, self.loose].map(u64::from);
-        driven * pieces + 2 * loose * bodies
+        let strays = if loose > 0 { driven * driven } else { 0 };
+        driven * pieces + 2 * loose * bodies + strays
     }
 }
 
