@@ -383,7 +383,7 @@
 #define PALP_METHOD_LEAST_DEVIATION 0
 
 /**
- * Cyclic coordinate descent, the method of Schmidl and Lin 2004.
+ * Cyclic coordinate descent, the method of Schmidl and Lin 2004, begun with what contact did in the last frame.
  */
 #define PALP_METHOD_CYCLIC_DESCENT 1
 

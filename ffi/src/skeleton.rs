@@ -70,7 +70,7 @@ pub struct palp_joint {
 
 /// The least change from the tracked angles.
 pub const PALP_METHOD_LEAST_DEVIATION: u32 = 0;
-/// Cyclic coordinate descent, the method of Schmidl and Lin 2004.
+/// Cyclic coordinate descent, the method of Schmidl and Lin 2004, begun with what contact did in the last frame.
 pub const PALP_METHOD_CYCLIC_DESCENT: u32 = 1;
 
 /// What the chain cannot evade, the body's root does.

@@ -14,6 +14,11 @@
 //! boundary. And soft goals are descended on once the hard ones are met, as if they were hard; where
 //! that leaves hard ones, the next sweeps mend it. The softness says which of the postures that meet
 //! the hard goals is kept: the one whose soft goals cost least.
+//!
+//! In a world the sweeps begin where contact is likely to have the chain: at the wanted angles with as much of what it
+//! added to them in the last frame as takes the lowest goal to its plane, by one secant (two forward kinematics more).
+//! Contact presses from frame to frame much alike, so that most sweeps are made where it begins, as in the paper's
+//! figure 7. The posture then depends on how the chain came there, as it does in the paper.
 
 use core::f32::consts::PI;
 

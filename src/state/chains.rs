@@ -36,7 +36,7 @@ pub struct ChainOptions {
 impl ChainOptions {
     /// The least change from the tracked angles.
     pub const LEAST_DEVIATION: u32 = 0;
-    /// Cyclic coordinate descent, the method of Schmidl and Lin 2004.
+    /// Cyclic coordinate descent, the method of Schmidl and Lin 2004, begun with what contact did in the last frame.
     pub const CYCLIC_DESCENT: u32 = 1;
 
     /// What the chain cannot evade, the body's root does.
