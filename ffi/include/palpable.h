@@ -301,7 +301,8 @@
 #define PALP_DRIVEN_LOST 8
 
 /**
- * The budget ended the body's way early; the rest follows next frame.
+ * The budget ended the body's way early, or a loose body did between two postures within the reach cones; the
+ * rest follows next frame.
  */
 #define PALP_DRIVEN_CUT 16
 

@@ -337,7 +337,8 @@ pub const PALP_DRIVEN_HELD: u32 = 2;
 pub const PALP_DRIVEN_DETACHED: u32 = 4;
 /// The tracker has been lost for longer than `palp_coupling.grace_s`.
 pub const PALP_DRIVEN_LOST: u32 = 8;
-/// The budget ended the body's way early; the rest follows next frame.
+/// The budget ended the body's way early, or a loose body did between two postures within the reach cones; the
+/// rest follows next frame.
 pub const PALP_DRIVEN_CUT: u32 = 16;
 /// The host placed things so that the body overlaps a fixed one, and no way out was found yet.
 pub const PALP_DRIVEN_OVERLAPS: u32 = 32;

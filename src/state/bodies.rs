@@ -288,7 +288,8 @@ impl DrivenReport {
     pub const DETACHED: u32 = 1 << 2;
     /// The tracker has been lost for longer than [`Coupling::grace_s`].
     pub const LOST: u32 = 1 << 3;
-    /// The budget ended the body's way early; the rest follows next frame.
+    /// The budget ended the body's way early, or a loose body did between two postures within the reach cones; the
+    /// rest follows next frame.
     pub const CUT: u32 = 1 << 4;
     /// The host placed things so that the body overlaps a fixed one, and no way out was found yet.
     pub const OVERLAPS: u32 = 1 << 5;
