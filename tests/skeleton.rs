@@ -68,6 +68,35 @@ fn add_arm(world: &mut World, shoulder: Pose, options: ChainOptions) -> (BodyId,
     (body, chain)
 }
 
+/// Where arms hang.
+const SHOULDER: Pose = Pose::at(0.0, 1.4, 0.0);
+
+/// An arm that hangs there, before a wall whose face is at z = -0.45.
+fn add_arm_at_wall(world: &mut World, options: ChainOptions) -> (BodyId, ChainId) {
+    let wall = Pose::at(0.0, 1.2, -0.55);
+    add_box(world, BodyKind::Fixed, wall, [2.0, 2.0, 0.1]);
+    add_arm(world, SHOULDER, options)
+}
+
+/// Angles with which the arm swings forward and becomes straight: from bent and hanging at 0 to the hand 0.2 m behind the
+/// wall's face at 1.
+fn swung(s: f32) -> [f32; 7] {
+    let elbow = 0.25 * (1.0 - s) + 0.05;
+    [1.5 * s, 0.1 * s, 0.0, elbow, 0.0, 0.0, 0.0]
+}
+
+/// From 0 to 1 and with no speed at either end.
+fn eased(t: f32) -> f32 {
+    0.5 - 0.5 * (t * core::f32::consts::PI).cos()
+}
+
+/// The largest turn of a joint between two postures.
+fn most_turned(a: &[f32], b: &[f32]) -> f32 {
+    a.iter()
+        .zip(b)
+        .fold(0.0, |most, (a, b)| most.max((a - b).abs()))
+}
+
 /// Ends of the arm's segments in double precision, from the published angles alone.
 fn ends(world: &World, body: BodyId, chain: ChainId) -> Vec<DVec3> {
     ends_at(&world.pose(body).unwrap(), world.angles(chain).unwrap())
@@ -111,33 +140,14 @@ fn deepest_m(ends: &[DVec3], wall: f64) -> f64 {
 fn an_arm_at_a_wall_stays_outside() {
     let mut block = Block::new(&Capacities::ROOM);
     let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
-    // The wall's face is at z = -0.45.
-    add_box(
-        &mut world,
-        BodyKind::Fixed,
-        Pose::at(0.0, 1.2, -0.55),
-        [2.0, 2.0, 0.1],
-    );
-    let shoulder = Pose::at(0.0, 1.4, 0.0);
-    let (body, chain) = add_arm(&mut world, shoulder, ChainOptions::DEFAULT);
+    let (body, chain) = add_arm_at_wall(&mut world, ChainOptions::DEFAULT);
     let mut before = vec![0.0, 0.0, 0.0, 0.3, 0.0, 0.0, 0.0];
     world.place_angles(chain, &before).unwrap();
     let (mut deepest, mut jump, mut steps) = (f64::NEG_INFINITY, 0.0_f32, 0);
     for frame in 0..400 {
-        let t = (frame as f32 / 180.0).min(1.0);
-        let s = 0.5 - 0.5 * (t * core::f32::consts::PI).cos();
-        // The arm swings forward, straight: the hand is wanted 0.2 m behind the face.
-        let angles = [
-            1.5 * s,
-            0.1 * s,
-            0.0,
-            0.25 * (1.0 - s) + 0.05,
-            0.0,
-            0.0,
-            0.0,
-        ];
+        let angles = swung(eased((frame as f32 / 180.0).min(1.0)));
         world.set_angles(chain, &angles).unwrap();
-        let report = step(&mut world, body, &shoulder);
+        let report = step(&mut world, body, &SHOULDER);
         deepest = deepest.max(depth_m(&world, body, chain, -0.45));
         let now = world.angles(chain).unwrap().to_vec();
         for (a, b) in now.iter().zip(&before) {
@@ -149,7 +159,7 @@ fn an_arm_at_a_wall_stays_outside() {
     assert!(deepest <= f64::from(OVERLAP_SLOP_M), "{deepest} m");
     assert!(deepest > -1e-3, "the arm comes to the wall: {deepest} m");
     assert!(steps > 0 && jump < 3.0_f32.to_radians(), "{steps} {jump}");
-    assert_eq!(world.pose(body).unwrap(), shoulder);
+    assert_eq!(world.pose(body).unwrap(), SHOULDER);
 }
 
 /// Schmidl and Lin 2004, figure 7: the method of the paper does most where contact begins, for what contact did in one
@@ -161,39 +171,22 @@ fn sweeps_of_an_arm_at_a_wall_become_few_and_it_does_not_hover() {
     const STAY: u32 = 60;
     let mut block = Block::new(&Capacities::ROOM);
     let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
-    add_box(
-        &mut world,
-        BodyKind::Fixed,
-        Pose::at(0.0, 1.2, -0.55),
-        [2.0, 2.0, 0.1],
-    );
-    let shoulder = Pose::at(0.0, 1.4, 0.0);
     let options = ChainOptions {
         method: ChainOptions::CYCLIC_DESCENT,
         ..ChainOptions::DEFAULT
     };
-    let (body, chain) = add_arm(&mut world, shoulder, options);
+    let (body, chain) = add_arm_at_wall(&mut world, options);
     let mut before = vec![0.0, 0.0, 0.0, 0.3, 0.0, 0.0, 0.0];
     world.place_angles(chain, &before).unwrap();
     let (mut sweeps, mut jump, mut hovers) = (vec![], 0.0_f32, 0.0_f64);
     for frame in 0..2 * PUSH + STAY {
         let into = frame.min(PUSH).min((2 * PUSH + STAY).saturating_sub(frame));
-        let t = into as f32 / PUSH as f32;
-        let s = 0.5 - 0.5 * (t * core::f32::consts::PI).cos();
-        let angles = [
-            1.5 * s,
-            0.1 * s,
-            0.0,
-            0.25 * (1.0 - s) + 0.05,
-            0.0,
-            0.0,
-            0.0,
-        ];
+        let angles = swung(eased(into as f32 / PUSH as f32));
         world.set_angles(chain, &angles).unwrap();
-        let report = step(&mut world, body, &shoulder);
+        let report = step(&mut world, body, &SHOULDER);
         let depth_m = depth_m(&world, body, chain, -0.45);
         assert!(depth_m <= f64::from(OVERLAP_SLOP_M), "{frame}: {depth_m} m");
-        let wanted_m = deepest_m(&ends_at(&shoulder, &angles), -0.45);
+        let wanted_m = deepest_m(&ends_at(&SHOULDER, &angles), -0.45);
         if wanted_m > 0.01 {
             hovers = hovers.max(-depth_m);
         }
@@ -201,9 +194,7 @@ fn sweeps_of_an_arm_at_a_wall_become_few_and_it_does_not_hover() {
             sweeps.push(report.reach_steps);
         }
         let now = world.angles(chain).unwrap().to_vec();
-        for (a, b) in now.iter().zip(&before) {
-            jump = jump.max((a - b).abs());
-        }
+        jump = jump.max(most_turned(&now, &before));
         before = now;
     }
     let mean = |of: &[u32]| f64::from(of.iter().sum::<u32>()) / of.len() as f64;
@@ -419,21 +410,14 @@ fn two_driven_bodies_keep_out_of_each_other() {
 fn without_budget_the_arm_is_held_before_the_wall_within_its_limits() {
     let mut block = Block::new(&Capacities::ROOM);
     let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
-    add_box(
-        &mut world,
-        BodyKind::Fixed,
-        Pose::at(0.0, 1.2, -0.55),
-        [2.0, 2.0, 0.1],
-    );
-    let shoulder = Pose::at(0.0, 1.4, 0.0);
-    let (body, chain) = add_arm(&mut world, shoulder, ChainOptions::DEFAULT);
+    let (body, chain) = add_arm_at_wall(&mut world, ChainOptions::DEFAULT);
     let mut cut = 0;
     for frame in 0..400_u32 {
         let s = 0.5 - 0.5 * (frame as f32 * 0.05).cos();
         world
             .set_angles(chain, &[1.5 * s, 0.2, 0.0, 0.3, 0.0, 0.0, 0.0])
             .unwrap();
-        world.set_target(body, &shoulder).unwrap();
+        world.set_target(body, &SHOULDER).unwrap();
         let report = world.step(&FrameInput {
             budget: Budget {
                 advance_units: frame % 5,
@@ -458,29 +442,22 @@ fn without_budget_the_arm_is_held_before_the_wall_within_its_limits() {
 fn a_rigid_chain_keeps_its_angles_and_moves_the_root() {
     let mut block = Block::new(&Capacities::ROOM);
     let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
-    add_box(
-        &mut world,
-        BodyKind::Fixed,
-        Pose::at(0.0, 1.2, -0.55),
-        [2.0, 2.0, 0.1],
-    );
-    let shoulder = Pose::at(0.0, 1.4, 0.0);
     let options = ChainOptions {
         flags: ChainOptions::RIGID,
         ..ChainOptions::DEFAULT
     };
-    let (body, chain) = add_arm(&mut world, shoulder, options);
+    let (body, chain) = add_arm_at_wall(&mut world, options);
     let mut steps = 0;
     for frame in 0..200 {
         let lift = (0.01 * frame as f32).min(1.5);
         world
             .set_angles(chain, &[lift, 0.0, 0.0, 0.05, 0.0, 0.0, 0.0])
             .unwrap();
-        steps += step(&mut world, body, &shoulder).reach_steps;
+        steps += step(&mut world, body, &SHOULDER).reach_steps;
         assert!(depth_m(&world, body, chain, -0.45) <= f64::from(OVERLAP_SLOP_M));
     }
     for _ in 0..100 {
-        steps += step(&mut world, body, &shoulder).reach_steps;
+        steps += step(&mut world, body, &SHOULDER).reach_steps;
     }
     assert_eq!(
         world.angles(chain).unwrap(),
@@ -610,21 +587,14 @@ fn tracked_link_poses_give_the_angles_back() {
 fn a_snapshot_of_an_arm_at_a_wall_rolls_back_to_the_bit() {
     let mut block = Block::new(&Capacities::ROOM);
     let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
-    add_box(
-        &mut world,
-        BodyKind::Fixed,
-        Pose::at(0.0, 1.2, -0.55),
-        [2.0, 2.0, 0.1],
-    );
-    let shoulder = Pose::at(0.0, 1.4, 0.0);
-    let (body, chain) = add_arm(&mut world, shoulder, ChainOptions::DEFAULT);
+    let (body, chain) = add_arm_at_wall(&mut world, ChainOptions::DEFAULT);
     let play = |world: &mut World, from: u32| {
         for frame in from..from + 60 {
             let lift = 0.5 + 0.01 * frame as f32;
             world
                 .set_angles(chain, &[lift, 0.1, 0.0, 0.1, 0.0, 0.0, 0.0])
                 .unwrap();
-            step(world, body, &shoulder);
+            step(world, body, &SHOULDER);
         }
         world.hash()
     };
