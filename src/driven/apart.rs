@@ -38,31 +38,39 @@ pub(crate) fn keep(state: &mut State, spending: &Spending, report: &mut FrameRep
         }
     }
     let mut purses = purses(spending, report);
-    let mut stopped = false;
-    for _ in 0..ROUNDS {
-        let before = stopped;
-        // Those first that went as they said.
-        for strays in [false, true] {
-            for body in 0..slots {
-                let is_turn = is_body_of(state, body, BodyKind::Driven)
-                    && is_elsewhere(state, body) == strays
-                    && comes_to(state, body).is_some();
-                stopped |= is_turn && keep_out(state, body, &mut purses.units);
-            }
-        }
-        if stopped == before {
-            break;
-        }
-    }
+    let mut stopped = stop_in_turn(state, |state, body| {
+        keep_out(state, body, &mut purses.units)
+    });
     let runs_out = purses.units.is_closed();
     purses.book(0, report);
-    if runs_out && stay_behind(state) {
+    if runs_out && stop_in_turn(state, stay_behind) {
         report.set(FrameReport::ADVANCE_CUT);
         stopped = true;
     }
     if stopped {
         stop_within_cones(state, spending, None, report);
     }
+}
+
+/// Has bodies that move stop as `stop` says, which tells whether it stopped one; whether it stopped any. Those first
+/// that went as they said.
+fn stop_in_turn(state: &mut State, mut stop: impl FnMut(&mut State, usize) -> bool) -> bool {
+    let mut any = false;
+    for _ in 0..ROUNDS {
+        let before = any;
+        for strays in [false, true] {
+            for body in 0..state.registers.body_slots as usize {
+                let is_turn = is_body_of(state, body, BodyKind::Driven)
+                    && is_elsewhere(state, body) == strays
+                    && comes_to(state, body).is_some();
+                any |= is_turn && stop(state, body);
+            }
+        }
+        if any == before {
+            break;
+        }
+    }
+    any
 }
 
 /// Whether a driven body may be elsewhere than where it was planned to come to when the others were.
@@ -103,31 +111,16 @@ fn keep_out(state: &mut State, body: usize, purse: &mut Purse) -> bool {
     false
 }
 
-/// Has bodies stay where they were that may by their boxes get into others which are not where they were told;
-/// whether any does. Those that went as they said come first.
-fn stay_behind(state: &mut State) -> bool {
-    let slots = state.registers.body_slots as usize;
-    let mut any = false;
-    for _ in 0..ROUNDS {
-        let before = any;
-        for strays in [false, true] {
-            for body in 0..slots {
-                let goes = is_body_of(state, body, BodyKind::Driven)
-                    && is_elsewhere(state, body) == strays
-                    && comes_to(state, body).is_some();
-                if goes && may_get_into_another(state, body) && is_room_kept(state, body) {
-                    state.legs.stop_time[body] = 0.0;
-                    state.bodies.report[body].flags |= DrivenReport::CUT;
-                    place(state, body);
-                    any = true;
-                }
-            }
-        }
-        if any == before {
-            break;
-        }
+/// Has a body stay where it was that may by its boxes get into another which is not where it was told; whether it
+/// does.
+fn stay_behind(state: &mut State, body: usize) -> bool {
+    let stays = may_get_into_another(state, body) && is_room_kept(state, body);
+    if stays {
+        state.legs.stop_time[body] = 0.0;
+        state.bodies.report[body].flags |= DrivenReport::CUT;
+        place(state, body);
     }
-    any
+    stays
 }
 
 /// Whether boxes overlap where a driven body and another one come to, one of which is not where the other was told.
