@@ -26,7 +26,8 @@ const ROUNDS: u32 = 2;
 
 /// Has bodies stop where they are clear of those that were stopped. Nothing is looked at in a frame in which
 /// nobody was stopped or planned anew. Spends units of the advance: one for each distance query, and parts for
-/// the boxes. What is left to boxes when the units run out is in the floor of a frame.
+/// the boxes. Of what is left to boxes when the units run out, one pass of driven pieces against each other is in the
+/// floor of a frame; a second pass, and looking for loose bodies where one was, are not.
 pub(crate) fn keep(state: &mut State, spending: &Spending, report: &mut FrameReport) {
     let slots = state.registers.body_slots as usize;
     if state.registers.driven < 2 || !(0..slots).any(|body| is_elsewhere(state, body)) {

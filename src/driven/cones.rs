@@ -18,8 +18,8 @@ const STEPS_BACK: u32 = 16;
 /// The balls are taken into their cones where the body stopped, if it is clear of everything then. Else it stops
 /// earlier on its way, where no loose body followed it, or where its leg began when there is no such place: what
 /// followed it there steps back ([`followers`]). Where that cannot, or without units to look for such a place, it stays
-/// where it stopped, reports that it was cut, and comes back into its cones when it moves on: there is no overlap. Spends units of the
-/// advance, and when those run out what `spare` has.
+/// where it stopped, reports that it was cut, and comes back into its cones when it moves on: there is no overlap.
+/// Spends units of the advance, and when those run out what `spare` has.
 pub(crate) fn stop_within_cones(
     state: &mut State,
     spending: &Spending,
