@@ -5,7 +5,7 @@ use palpable::geometry::chain::{Hinge, posture};
 use palpable::math::Pose;
 use palpable::reach::cyclic_descent::cyclic_descent;
 use palpable::reach::goal::{Goal, Reached, Task};
-use palpable::reach::least_deviation::least_deviation;
+use palpable::reach::least_deviation::{least_deviation, least_deviation_following};
 
 #[path = "common/shapes.rs"]
 mod shapes;
@@ -387,6 +387,11 @@ fn a_point_on_a_saddle_climbs_with_two_joints_at_once() {
         let mut angles = wanted;
         let reached = least_deviation(&task, &mut angles, 2);
         assert!(reached.missed_m <= TOLERANCE_M, "{a} {b}: {reached:?}");
+        // A chain that follows its tracker does as much for a push as deep as that.
+        let mut followed = wanted;
+        let reached = least_deviation_following(&task, &mut followed, 2);
+        assert!(reached.missed_m <= TOLERANCE_M, "{a} {b}: {reached:?}");
+        assert_eq!(followed, angles);
         // Height is length sin a sin b; both turn the same way to raise it.
         let least = (1..10_000).map(|step| {
             let to_a = f64::from(step) * 1.2e-4;

@@ -205,6 +205,54 @@ fn sweeps_of_an_arm_at_a_wall_become_few_and_it_does_not_hover() {
     assert!(jump < 3.0_f32.to_radians(), "{jump}");
 }
 
+/// What contact did in the frame before is mostly what it does in the next: most frames of a push take no step. They come
+/// to nearly what a world comes to that has no past and as many frames as it likes.
+#[test]
+fn a_push_at_a_wall_goes_on_without_steps_and_stays_the_least_deviation() {
+    const PUSH: u32 = 240;
+    const MORE_FRAMES: u32 = 60;
+    let mut blocks = [(); 2].map(|()| Block::new(&Capacities::ROOM));
+    let [mut world, mut fresh] = blocks
+        .each_mut()
+        .map(|block| World::create(block.bytes(), &Capacities::ROOM).unwrap());
+    let (body, chain) = add_arm_at_wall(&mut world, ChainOptions::DEFAULT);
+    let (its_body, its_chain) = add_arm_at_wall(&mut fresh, ChainOptions::DEFAULT);
+    let mut before = vec![0.0, 0.0, 0.0, 0.3, 0.0, 0.0, 0.0];
+    world.place_angles(chain, &before).unwrap();
+    let (mut frames, mut with_steps, mut fresh_steps, mut dearer) = (0, 0, 0, 0.0_f64);
+    for frame in 0..PUSH {
+        let wanted = swung(eased(frame as f32 / PUSH as f32));
+        fresh.place_angles(its_chain, &before).unwrap();
+        fresh.set_angles(its_chain, &wanted).unwrap();
+        world.set_angles(chain, &wanted).unwrap();
+        let steps = step(&mut world, body, &SHOULDER).reach_steps;
+        let its_steps = step(&mut fresh, its_body, &SHOULDER).reach_steps;
+        for _ in 0..MORE_FRAMES {
+            step(&mut fresh, its_body, &SHOULDER);
+        }
+        before = world.angles(chain).unwrap().to_vec();
+        assert!(depth_m(&world, body, chain, -0.45) <= f64::from(OVERLAP_SLOP_M));
+        if deepest_m(&ends_at(&SHOULDER, &wanted), -0.45) > 0.01 {
+            let deviation = |angles: &[f32]| -> f64 {
+                let change = angles.iter().zip(&wanted);
+                change.map(|(a, b)| f64::from(a - b).powi(2)).sum()
+            };
+            let least = deviation(fresh.angles(its_chain).unwrap());
+            frames += 1;
+            with_steps += u32::from(steps > 0);
+            fresh_steps += u32::from(its_steps > 0);
+            dearer = dearer.max(deviation(&before) / least - 1.0);
+        }
+    }
+    println!("{with_steps} of {frames} frames take steps; deviation {dearer} above the least");
+    assert!(
+        frames > 100 && fresh_steps == frames,
+        "{fresh_steps} of {frames}"
+    );
+    assert!(2 * with_steps < frames, "{with_steps} of {frames}");
+    assert!(dearer < 0.005, "{dearer}");
+}
+
 #[test]
 fn the_wrist_of_an_arm_stays_where_the_tracker_is_nearest() {
     let mut block = Block::new(&Capacities::ROOM);

@@ -398,7 +398,7 @@ fn fits_find_the_angles_that_made_a_pose() {
     for (finger, first) in [2, 7, 12, 17, 22].into_iter().enumerate() {
         let def = &articulated.fingers[finger];
         for bone in 1..3 {
-            let at = links[finger][def.bones[bone]].origin;
+            let at = links[finger][def.bones[bone]].link.translation();
             joints[first + bone].position = at.as_dvec3();
         }
         let tip = links[finger].last().unwrap().link.point(def.tip);

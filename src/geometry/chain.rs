@@ -303,11 +303,9 @@ pub(crate) fn turns_nearest(angle: f32, near: f32) -> f32 {
 /// Where one hinge and the link behind it are, in the frame of the root's parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placed {
-    /// A point of the axis.
-    pub origin: Vec3,
     /// Unit axis.
     pub axis: Vec3,
-    /// The link's frame: the hinge's, turned by its angle.
+    /// The link's frame: the hinge's, turned by its angle. Its origin is on the axis.
     pub link: Pose,
 }
 
@@ -319,17 +317,22 @@ pub type Posture = ArrayVec<Placed, CHAIN_HINGES_MAX>;
 /// Cost: one pose composition and one rotation a hinge.
 #[must_use]
 pub fn posture(hinges: &[Hinge], root: &Pose, angles: &[f32]) -> Posture {
-    let mut link = *root;
     let mut placed = Posture::new();
+    place(hinges, root, angles, &mut placed);
+    placed
+}
+
+/// The same into a posture, whatever it was.
+pub(crate) fn place(hinges: &[Hinge], root: &Pose, angles: &[f32], placed: &mut Posture) {
+    let mut link = *root;
+    placed.clear();
     for (hinge, &angle) in hinges.iter().zip(angles).take(CHAIN_HINGES_MAX) {
         link = hinge.placed(&link, angle);
         placed.push(Placed {
-            origin: link.translation(),
             axis: link.quat() * hinge.axis,
             link,
         });
     }
-    placed
 }
 
 fn turn_about(axis: Vec3, angle: f32) -> Quat {

@@ -119,7 +119,8 @@ fn sweep(task: &Task, placed: &Posture, q: &mut Angles, effector: Effector) {
 
 /// Turns one hinge.
 fn turn(task: &Task, placed: &Placed, q: &mut Angles, index: usize, at: &mut Vec3, goal: Vec3) {
-    let Placed { origin, axis, .. } = *placed;
+    let Placed { axis, link } = *placed;
+    let origin = link.translation();
     let turn = angle_between(axis, *at - origin, goal - origin);
     let angle = task.hinges[index].kept(q[index] + turn);
     let turn = math::quat_from_rotation_vector(axis * (angle - q[index]));
@@ -130,7 +131,8 @@ fn turn(task: &Task, placed: &Placed, q: &mut Angles, index: usize, at: &mut Vec
 /// Swings a ball's limb by the least rotation that brings the point nearest, as far as cone and hinges
 /// allow.
 fn swing(task: &Task, ball: &Ball, placed: &Posture, q: &mut Angles, at: &mut Vec3, goal: Vec3) {
-    let Placed { origin, link, axis } = placed[ball.first];
+    let Placed { link, axis } = placed[ball.first];
+    let origin = link.translation();
     let frame = link.quat() * math::quat_from_rotation_vector(Vec3::X * -q[ball.first]);
     let least = least_rotation(*at - origin, goal - origin, axis);
     let limb = frame.conjugate() * (least * (frame * ball.limb(q)));

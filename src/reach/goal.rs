@@ -99,8 +99,8 @@ impl Goal {
             hinges: posture.len().min(self.link.saturating_add(1)),
         };
         let moving = posture.iter().take(levers.hinges);
-        for (by, Placed { origin, axis, .. }) in levers.by.iter_mut().zip(moving) {
-            *by = axis.cross(levers.at - *origin);
+        for (by, Placed { axis, link }) in levers.by.iter_mut().zip(moving) {
+            *by = axis.cross(levers.at - link.translation());
         }
         levers
     }

@@ -29,9 +29,11 @@ mod alone;
 mod climb;
 mod metric;
 mod program;
+mod settled;
 mod spot;
 
 pub use program::PASSES_MAX;
+pub(crate) use settled::is_least;
 
 use arrayvec::ArrayVec;
 
@@ -78,6 +80,9 @@ const RESTART_STEPS_MIN: u32 = 6;
 /// limits again and again, it goes on as one that follows.
 const CLIMB_STEPS: u32 = 6;
 
+/// A search that follows climbs where it is missed by more than this, in metres: there a way out is long anyway.
+const CLIMB_DEEP_M: f32 = 2e-2;
+
 /// In so many steps the missed distance is to fall to half, or the search begins again.
 const STALL_STEPS: u32 = 4;
 
@@ -94,8 +99,8 @@ pub fn least_deviation(task: &Task, angles: &mut [f32], steps: u32) -> Reached {
 
 /// The same for a chain that follows its tracker from frame to frame, as the world's do.
 ///
-/// It does not climb: a push a millimetre deep at a saddle would turn a joint by ten degrees and more from one
-/// frame to the next, where the root may give way instead.
+/// It climbs out of deep pushes alone, of more than 20 mm: one a millimetre deep at a saddle would turn a joint by ten
+/// degrees and more from one frame to the next, where the root may give way instead.
 pub fn least_deviation_following(task: &Task, angles: &mut [f32], steps: u32) -> Reached {
     least_deviation_paid(task, angles, steps, None, &mut || true).0
 }
@@ -117,14 +122,14 @@ pub(crate) fn least_deviation_paid(
 enum Manner {
     /// Along the curve of least changes, however far that is.
     Climbs,
-    /// With less of the curvature, or one joint alone.
+    /// With less of the curvature, or one joint alone, unless it is deep.
     Follows,
 }
 
 impl Manner {
-    /// Whether a step climbs, counted from one.
-    fn climbs(self, step: u32) -> bool {
-        self == Self::Climbs && step <= CLIMB_STEPS
+    /// Whether a step climbs, counted from one, where goals are missed by as much.
+    fn climbs(self, step: u32, missed_m: f32) -> bool {
+        step <= CLIMB_STEPS && (self == Self::Climbs || missed_m > CLIMB_DEEP_M)
     }
 }
 
@@ -136,67 +141,96 @@ fn search(
     manner: Manner,
     pay: &mut dyn FnMut() -> bool,
 ) -> (Reached, Posture) {
-    let start = task.start(angles);
-    let mut best = match known {
-        Some(placed) if start[..] == *angles => Spot::at(task, start, placed.clone()),
-        _ => Spot::new(task, start),
+    let mut slots: [Spot; 5] = core::array::from_fn(|_| Spot::nowhere());
+    let [here, next, aside, kept, mut best] = slots.each_mut();
+    let mut spots = Spots {
+        here,
+        next,
+        aside,
+        kept,
     };
+    let start = task.start(angles);
+    match known {
+        Some(placed) if start[..] == *angles => spots.here.be_at(task, start, placed),
+        _ => spots.here.go_to(task, start),
+    }
     let mut used = 0;
-    if !(best.is_met && best.cost == 0.0) {
-        used = descend(task, &mut best, steps, false, manner, pay);
+    if !(spots.here.is_met && spots.here.cost == 0.0) {
+        used = descend(task, &mut spots, steps, false, manner, pay);
         let mut restart = 0;
         while restart < RESTARTS_MAX
             && steps - used >= RESTART_STEPS_MIN
-            && best.misses_exactly(task)
+            && spots.here.misses_exactly(task)
         {
-            let mut other = Spot::new(task, restarted(task, best.q.len(), restart));
-            used += descend(task, &mut other, steps - used, false, manner, pay);
-            if other.is_met || other.shortfall < best.shortfall {
-                best = other;
+            core::mem::swap(&mut spots.here, &mut best);
+            let q = restarted(task, best.q.len(), restart);
+            spots.here.go_to(task, q);
+            used += descend(task, &mut spots, steps - used, false, manner, pay);
+            if !spots.here.is_met && spots.here.shortfall >= best.shortfall {
+                core::mem::swap(&mut spots.here, &mut best);
             }
             restart += 1;
         }
-        if restart > 0 && !best.is_met {
-            used += descend(task, &mut best, steps - used, true, manner, pay);
+        if restart > 0 && !spots.here.is_met {
+            used += descend(task, &mut spots, steps - used, true, manner, pay);
         }
     }
-    for (angle, &found) in angles.iter_mut().zip(&best.q) {
+    for (angle, &found) in angles.iter_mut().zip(&spots.here.q) {
         *angle = found;
     }
     let reached = Reached {
         steps: used,
-        missed_m: best.missed_m,
+        missed_m: spots.here.missed_m,
     };
-    (reached, best.placed)
+    (reached, spots.here.placed.clone())
+}
+
+/// Where a search is and goes. Spots are long: they change places and are not moved.
+struct Spots<'s> {
+    here: &'s mut Spot,
+    next: &'s mut Spot,
+    /// Another one to go to.
+    aside: &'s mut Spot,
+    /// Where the goals were last met before a step left them.
+    kept: &'s mut Spot,
+}
+
+impl Spots<'_> {
+    /// Goes to the next one; whether that leaves goals that were met, and where they were is kept.
+    fn go_on(&mut self) -> bool {
+        let leaves = self.here.is_met && !self.next.is_met;
+        if leaves {
+            core::mem::swap(&mut self.here, &mut self.kept);
+        }
+        core::mem::swap(&mut self.here, &mut self.next);
+        leaves
+    }
 }
 
 /// Steps from a spot until nothing is gained; how many there were. Unless it is `patient`, it ends where
 /// exact goals come nearer too slowly, if steps are left to begin again.
 fn descend(
     task: &Task,
-    spot: &mut Spot,
+    spots: &mut Spots,
     steps: u32,
     patient: bool,
     manner: Manner,
     pay: &mut dyn FnMut() -> bool,
 ) -> u32 {
-    let least_damping = if spot.is_soft { DAMPING_SOFT } else { DAMPING };
+    let is_soft = spots.here.is_soft;
+    let least_damping = if is_soft { DAMPING_SOFT } else { DAMPING };
     let mut damping = least_damping;
-    let (mut used, mut mark, mut since) = (0, spot.shortfall, 0);
-    // Where the goals were last met before a step left them.
-    let mut cheapest: Option<Spot> = None;
+    let (mut used, mut mark, mut since) = (0, spots.here.shortfall, 0);
+    let mut left = false;
     while used < steps && pay() {
         used += 1;
-        let was_met = spot.is_met;
+        let was_met = spots.here.is_met;
         let restores = used > 1 && !was_met;
-        let Step {
-            spot: next,
-            turned,
-            is_newton,
-        } = match step(task, spot, restores, manner.climbs(used), damping) {
-            Ok(next) => next,
+        let climbs = manner.climbs(used, spots.here.missed_m);
+        let Step { turned, is_newton } = match step(task, spots, restores, climbs, damping) {
+            Ok(step) => step,
             Err(turned) => {
-                let is_far = spot.is_soft && turned > TURN_SURE;
+                let is_far = is_soft && turned > TURN_SURE;
                 if (was_met && !is_far) || damping >= DAMPING_MAX {
                     break;
                 }
@@ -204,11 +238,8 @@ fn descend(
                 continue;
             }
         };
-        if was_met && !next.is_met {
-            cheapest = Some(core::mem::replace(spot, next));
-        } else {
-            *spot = next;
-        }
+        left |= spots.go_on();
+        let spot = &*spots.here;
         damping = math::max(damping / DAMPING_FACTOR, least_damping);
         let is_sure = is_newton && turned <= TURN_SURE && !asks_exactly(task);
         if spot.is_met && (is_sure || (was_met && turned <= TURN_MIN)) {
@@ -222,43 +253,48 @@ fn descend(
         if stalls && spot.misses_exactly(task) {
             break;
         }
-        let is_dearer = |before: &Spot| spot.is_met && spot.cost >= before.cost;
-        if cheapest.as_ref().is_some_and(is_dearer) {
+        if left && spot.is_met && spot.cost >= spots.kept.cost {
             break;
         }
     }
-    if let Some(before) = cheapest.filter(|before| !spot.is_met || before.cost <= spot.cost) {
-        *spot = before;
+    if left && (!spots.here.is_met || spots.kept.cost <= spots.here.cost) {
+        core::mem::swap(&mut spots.here, &mut spots.kept);
     }
     used
 }
 
-/// What one step comes to.
+/// What one step, to the next spot, comes to.
 struct Step {
-    spot: Spot,
     /// The most that a joint turned, in radians.
     turned: f32,
     /// Whether it is a whole step of Newton's method.
     is_newton: bool,
 }
 
-/// One step; where it is not worth going, the most that it would turn a joint, in radians.
-fn step(task: &Task, spot: &Spot, restores: bool, climbs: bool, damping: f32) -> Result<Step, f32> {
-    if spot.q.len() <= NARROW {
-        step_of::<NARROW>(task, spot, restores, climbs, damping)
+/// One step, to the next spot; where it is not worth going, the most that it would turn a joint, in radians.
+fn step(
+    task: &Task,
+    spots: &mut Spots,
+    restores: bool,
+    climbs: bool,
+    damping: f32,
+) -> Result<Step, f32> {
+    if spots.here.q.len() <= NARROW {
+        step_of::<NARROW>(task, spots, restores, climbs, damping)
     } else {
-        step_of::<CHAIN_HINGES_MAX>(task, spot, restores, climbs, damping)
+        step_of::<CHAIN_HINGES_MAX>(task, spots, restores, climbs, damping)
     }
 }
 
 /// The same by a program for at most `W` joints.
 fn step_of<const W: usize>(
     task: &Task,
-    spot: &Spot,
+    spots: &mut Spots,
     restores: bool,
     climbs: bool,
     damping: f32,
 ) -> Result<Step, f32> {
+    let spot = &*spots.here;
     let points = task.used_goals().chunk_by(Goal::is_beside);
     let levers: ArrayVec<Levers, CHAIN_GOALS_MAX> = points
         .map(|beside| beside[0].levers(&spot.placed))
@@ -272,12 +308,11 @@ fn step_of<const W: usize>(
     let climbs = climbs && !spot.is_met && !spot.is_soft && !asks_exactly(task);
     let is_newton = program.bend(task, &spot.placed, &levers, along, climbs);
     let angles = program.angles();
-    let Some((next, is_whole)) = guarded(task, spot, &angles, program.penalty()) else {
-        return Err(most_turned(&spot.q, &angles));
+    let Some(is_whole) = guarded(task, spots, &angles, program.penalty()) else {
+        return Err(most_turned(&spots.here.q, &angles));
     };
     Ok(Step {
-        turned: most_turned(&spot.q, &next.q),
-        spot: next,
+        turned: most_turned(&spots.here.q, &spots.next.q),
         is_newton: is_newton && is_whole && !restores,
     })
 }
@@ -293,17 +328,20 @@ fn most_turned(from: &Angles, to: &[f32]) -> f32 {
     turned.fold(0.0, math::max)
 }
 
-/// The longest part of the way to a program's angles that is worth going, as a spot; and whether it is all of
-/// it.
-fn guarded(task: &Task, spot: &Spot, next: &Angles, penalty: f32) -> Option<(Spot, bool)> {
-    let most = most_turned(&spot.q, next);
+/// Finds the longest part of the way to a program's angles that is worth going, as the next spot; whether it is all
+/// of it.
+fn guarded(task: &Task, spots: &mut Spots, to: &Angles, penalty: f32) -> Option<bool> {
+    let Spots {
+        here, next, aside, ..
+    } = spots;
+    let most = most_turned(&here.q, to);
     let mut share = if most > TURN_MAX {
         TURN_MAX / most
     } else {
         1.0
     };
     // What ends the search is not halved.
-    let halvings = if spot.is_met && most <= TURN_MIN {
+    let halvings = if here.is_met && most <= TURN_MIN {
         0
     } else {
         HALVINGS_MAX
@@ -316,27 +354,28 @@ fn guarded(task: &Task, spot: &Spot, next: &Angles, penalty: f32) -> Option<(Spo
                 a + (b - a) * share
             }
         };
-        let trial = spot.q.iter().zip(next).map(part).collect();
-        if let Some(trial) = worth(task, spot, trial, penalty) {
-            let lags = !trial.is_met && trial.shortfall > LAG * spot.shortfall;
-            let alone = if lags { turned_alone(task, spot) } else { None };
-            let alone = alone.and_then(|q| worth(task, &trial, q, penalty));
-            let is_whole = share == 1.0 && alone.is_none();
-            return Some((alone.unwrap_or(trial), is_whole));
+        let trial = here.q.iter().zip(to).map(part).collect();
+        if is_worth(task, here, trial, penalty, next) {
+            let lags = !next.is_met && next.shortfall > LAG * here.shortfall;
+            let alone = if lags { turned_alone(task, here) } else { None };
+            let goes_alone = alone.is_some_and(|q| is_worth(task, next, q, penalty, aside));
+            if goes_alone {
+                core::mem::swap(next, aside);
+            }
+            return Some(share == 1.0 && !goes_alone);
         }
         share *= 0.5;
     }
-    let alone = worth(task, spot, turned_alone(task, spot)?, penalty)?;
-    Some((alone, false))
+    let alone = turned_alone(task, here)?;
+    is_worth(task, here, alone, penalty, next).then_some(false)
 }
 
-/// The spot at some angles taken into the limits, if it is worth going there.
-fn worth(task: &Task, spot: &Spot, mut q: Angles, penalty: f32) -> Option<Spot> {
-    if !task.admit(&mut q) {
-        return None;
+/// Goes to some angles taken into the limits, from a spot; whether that is worth it.
+fn is_worth(task: &Task, from: &Spot, mut q: Angles, penalty: f32, to: &mut Spot) -> bool {
+    task.admit(&mut q) && {
+        to.go_to(task, q);
+        to.betters(from, penalty)
     }
-    let found = Spot::new(task, q);
-    found.betters(spot, penalty).then_some(found)
 }
 
 /// Angles to begin again from: the middle of the ranges, then two fixed ones in the middle halves.

@@ -1,5 +1,7 @@
 //! Solving one chain of a skeleton for its contacts.
 
+mod foreseen;
+
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
@@ -42,9 +44,6 @@ const TIP_NEAR_M: f32 = 0.15;
 
 /// Links that begin nearer to each other than this begin in one place, in metres.
 const SAME_PLACE_M: f32 = 1e-3;
-
-/// Most that contact is expected to turn a joint by beyond what it did in the last frame, in radians.
-const PRESSED_MORE_RAD: f32 = 0.05;
 
 /// How often the lowest points of the touching pieces are looked for again.
 const ROUNDS: u32 = 3;
@@ -292,7 +291,13 @@ impl<'p> Problem<'p> {
             let solved = self.swing(state, from, self.wanted, [&start, &wanted]);
             return (self.wanted.clone(), solved);
         }
-        let (angles, posture, mut reached) = self.rounds(state, from, &start, &wanted, steps);
+        let foreseen = if self.descends(state) || self.soft > 0 {
+            None
+        } else {
+            self.foreseen(state)
+        };
+        let (angles, posture, mut reached) =
+            foreseen.unwrap_or_else(|| self.rounds(state, from, &start, &wanted, steps));
         if state.chains.report[self.limb.chain].flags & ChainReport::CUT != 0 {
             // A chain that was cut asks nothing of the root: it goes on in the next frame.
             reached = 0.0;
@@ -306,6 +311,11 @@ impl<'p> Problem<'p> {
         (angles, solved)
     }
 
+    /// Whether the chain is solved by the paper's method.
+    fn descends(&self, state: &State) -> bool {
+        state.chains.options[self.limb.chain].method == ChainOptions::CYCLIC_DESCENT
+    }
+
     /// Solves, looks for lower points, and solves again, from angles that take the links to `start`; the angles,
     /// where they take the links and what is missed there.
     fn rounds(
@@ -317,9 +327,9 @@ impl<'p> Problem<'p> {
         steps: &mut Purse,
     ) -> (Angles, Posture, f32) {
         let chain = self.limb.chain;
-        let descends = state.chains.options[chain].method == ChainOptions::CYCLIC_DESCENT;
+        let descends = self.descends(state);
         let mut angles = if descends {
-            self.pressed_as_before(state, wanted)
+            self.begun(state, wanted)
         } else {
             from.clone()
         };
@@ -354,36 +364,6 @@ impl<'p> Problem<'p> {
             }
         }
         (angles, posture, missed_m)
-    }
-
-    /// The wanted angles with as much of what the last frame's contacts added to them as takes the lowest goal to its
-    /// plane, if heights went straight from `wanted`, where the wanted angles take the links. Contact presses from
-    /// frame to frame much alike, so that few sweeps are left.
-    fn pressed_as_before(&self, state: &State, wanted: &Posture) -> Angles {
-        let joints = joints_of(state, self.limb.chain);
-        let pressed = &state.joints.pressed[joints];
-        let most = pressed.iter().fold(0.0, |most, p| math::max(p.abs(), most));
-        if most == 0.0 {
-            return self.wanted.clone();
-        }
-        let task = self.task(state);
-        let with = |part: f32| {
-            let angles = self.wanted.iter().zip(pressed);
-            let angles: Angles = angles.map(|(wanted, p)| wanted + part * p).collect();
-            task.start(&angles)
-        };
-        let lowest_m = |posture: &Posture| {
-            let hard = self.goals[self.soft..].iter();
-            hard.fold(f32::INFINITY, |least, goal| {
-                math::min(goal.above_m(posture), least)
-            })
-        };
-        let (low, high) = (lowest_m(wanted), lowest_m(&self.posture(state, &with(1.0))));
-        if high <= low {
-            return self.wanted.clone();
-        }
-        let part_max = 1.0 + math::min(PRESSED_MORE_RAD / most, 1.0);
-        with(math::clamp(-low / (high - low), 0.0, part_max))
     }
 
     /// Writes down what is missed, and asks the root for it.

@@ -1,6 +1,6 @@
 //! A posture that a search came to, and what it is worth.
 
-use crate::geometry::chain::{Posture, posture};
+use crate::geometry::chain::{Posture, place};
 use crate::math;
 use crate::reach::goal::{Angles, Task};
 
@@ -28,35 +28,55 @@ pub(super) struct Spot {
 }
 
 impl Spot {
-    pub(super) fn new(task: &Task, q: Angles) -> Self {
-        let placed = posture(task.hinges, &task.root, &q);
-        Self::at(task, q, placed)
+    /// One that is not anywhere yet.
+    pub(super) const fn nowhere() -> Self {
+        Self {
+            q: Angles::new_const(),
+            placed: Posture::new_const(),
+            missed_m: 0.0,
+            is_met: false,
+            shortfall: 0.0,
+            cost: 0.0,
+            missed_sum_m: 0.0,
+            is_soft: false,
+        }
     }
 
-    /// The spot at angles that take the links there.
-    pub(super) fn at(task: &Task, q: Angles, placed: Posture) -> Self {
+    /// Becomes the spot at some angles.
+    pub(super) fn go_to(&mut self, task: &Task, q: Angles) {
+        place(task.hinges, &task.root, &q, &mut self.placed);
+        self.q = q;
+        self.measure(task);
+    }
+
+    /// The same for angles that take the links there.
+    pub(super) fn be_at(&mut self, task: &Task, q: Angles, placed: &Posture) {
+        self.placed.clone_from(placed);
+        self.q = q;
+        self.measure(task);
+    }
+
+    fn measure(&mut self, task: &Task) {
         let (mut most, mut squares, mut sum) = (0.0, 0.0, 0.0);
-        let mut cost = task.deviation(&q);
+        let mut cost = task.deviation(&self.q);
+        let mut is_soft = false;
         for goal in task.used_goals() {
             if goal.is_hard() {
-                let missed = goal.missed_m(&placed);
+                let missed = goal.missed_m(&self.placed);
                 most = math::max(missed, most);
                 squares += missed * missed;
                 sum += missed;
             } else {
-                cost += goal.soft_cost(&placed);
+                is_soft = true;
+                cost += goal.soft_cost(&self.placed);
             }
         }
-        Self {
-            q,
-            placed,
-            missed_m: most,
-            is_met: most <= task.tolerance_m,
-            shortfall: squares,
-            cost,
-            missed_sum_m: sum,
-            is_soft: task.used_goals().iter().any(|goal| !goal.is_hard()),
-        }
+        self.missed_m = most;
+        self.is_met = most <= task.tolerance_m;
+        self.shortfall = squares;
+        self.cost = cost;
+        self.missed_sum_m = sum;
+        self.is_soft = is_soft;
     }
 
     /// Whether an exact hard goal is missed.
