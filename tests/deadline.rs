@@ -180,6 +180,46 @@ fn the_floor_is_known_before_the_frame() {
 }
 
 /// A world with room, and a fixed wall whose face is at x = 0.
+/// Who stays behind others is looked for, and paid for, only where there are others and what could stop them.
+#[test]
+fn a_lone_driven_body_pays_for_no_others() {
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    for count in 1..4_u64 {
+        add_box(
+            &mut world,
+            BodyKind::Driven,
+            Pose::at(count as f32, 1.0, 0.0),
+            [0.1; 3],
+        );
+        assert_eq!(world.census().box_tests(), count * count);
+    }
+    add_box(
+        &mut world,
+        BodyKind::Dynamic,
+        Pose::at(0.0, 5.0, 0.0),
+        [0.1; 3],
+    );
+    let among_all = 3 * 4;
+    let islands = 2 * 4;
+    assert_eq!(world.census().box_tests(), among_all + islands + 3 * 3);
+    let mut block = Block::new(&Capacities::ROOM);
+    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
+    add_box(
+        &mut world,
+        BodyKind::Driven,
+        Pose::at(0.0, 1.0, 0.0),
+        [0.1; 3],
+    );
+    add_box(
+        &mut world,
+        BodyKind::Dynamic,
+        Pose::at(0.0, 5.0, 0.0),
+        [0.1; 3],
+    );
+    assert_eq!(world.census().box_tests(), 2 + 2 * 2);
+}
+
 fn walled() -> World<'static> {
     let block = Box::leak(Box::new(Block::new(&Capacities::ROOM)));
     let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();

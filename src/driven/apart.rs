@@ -6,7 +6,7 @@
 use glam::Vec3;
 
 use super::{place_ahead, purses, stop_within_cones};
-use crate::frame::{FrameReport, Spending};
+use crate::frame::{Census, FrameReport, Spending};
 use crate::geometry::separation::separation;
 use crate::math::Pose;
 use crate::state::State;
@@ -26,8 +26,8 @@ const ROUNDS: u32 = 2;
 
 /// Has bodies stop where they are clear of those that were stopped. Nothing is looked at in a frame in which
 /// nobody was stopped or planned anew. Spends units of the advance: one for each distance query, and parts for
-/// the boxes. Of what is left to boxes when the units run out, one pass of driven pieces against each other is in the
-/// floor of a frame; a second pass, and looking for loose bodies where one was, are not.
+/// the boxes. What is left to boxes when the units run out makes no more tests of them than the floor of a frame
+/// pays for; who is not looked at by then goes as it said.
 pub(crate) fn keep(state: &mut State, spending: &Spending, report: &mut FrameReport) {
     let slots = state.registers.body_slots as usize;
     if state.registers.driven < 2 || !(0..slots).any(|body| is_elsewhere(state, body)) {
@@ -44,7 +44,10 @@ pub(crate) fn keep(state: &mut State, spending: &Spending, report: &mut FrameRep
     });
     let runs_out = purses.units.is_closed();
     purses.book(0, report);
-    if runs_out && stop_in_turn(state, stay_behind) {
+    let mut tests = Tests {
+        left: Census::of(state).stray_tests(),
+    };
+    if runs_out && stop_in_turn(state, |state, body| stay_behind(state, body, &mut tests)) {
         report.set(FrameReport::ADVANCE_CUT);
         stopped = true;
     }
@@ -112,10 +115,24 @@ fn keep_out(state: &mut State, body: usize, purse: &mut Purse) -> bool {
     false
 }
 
+/// Tests of two boxes that are paid for.
+struct Tests {
+    left: u64,
+}
+
+impl Tests {
+    /// Whether two boxes overlap; `None` when no test is left.
+    fn overlap(&mut self, a: &Bounds, b: &Bounds) -> Option<bool> {
+        self.left = self.left.checked_sub(1)?;
+        Some(a.overlaps(b))
+    }
+}
+
 /// Has a body stay where it was that may by its boxes get into another which is not where it was told; whether it
 /// does.
-fn stay_behind(state: &mut State, body: usize) -> bool {
-    let stays = may_get_into_another(state, body) && is_room_kept(state, body);
+fn stay_behind(state: &mut State, body: usize, tests: &mut Tests) -> bool {
+    let stays = may_get_into_another(state, body, tests) == Some(true)
+        && is_room_kept(state, body, tests) == Some(true);
     if stays {
         state.legs.stop_time[body] = 0.0;
         state.bodies.report[body].flags |= DrivenReport::CUT;
@@ -124,44 +141,55 @@ fn stay_behind(state: &mut State, body: usize) -> bool {
     stays
 }
 
-/// Whether boxes overlap where a driven body and another one come to, one of which is not where the other was told.
-fn may_get_into_another(state: &State, body: usize) -> bool {
+/// Whether boxes overlap where a driven body and another one come to, one of which is not where the other was told;
+/// `None` when the tests ran out.
+fn may_get_into_another(state: &State, body: usize, tests: &mut Tests) -> Option<bool> {
     let strays = is_elsewhere(state, body);
-    let slots = 0..state.registers.body_slots as usize;
-    let mut others = slots.filter(|&other| {
-        other != body
+    let pieces = |of: usize| PiecesOf::new(state.pieces.next, state.bodies.first_piece[of]);
+    for other in 0..state.registers.body_slots as usize {
+        let is_met = other != body
             && is_body_of(state, other, BodyKind::Driven)
-            && (strays || is_elsewhere(state, other))
-    });
-    others.any(|other| {
-        let [own, its] =
-            [body, other].map(|of| PiecesOf::new(state.pieces.next, state.bodies.first_piece[of]));
-        own.into_iter().any(|own| {
-            its.clone().any(|its| {
-                state.legs.ahead_bounds[own].overlaps(&state.legs.ahead_bounds[its])
-                    && !passes(state, own, its)
-            })
-        })
-    })
+            && (strays || is_elsewhere(state, other));
+        if !is_met {
+            continue;
+        }
+        for own in pieces(body) {
+            for its in pieces(other) {
+                let [a, b] = [own, its].map(|piece| &state.legs.ahead_bounds[piece]);
+                if tests.overlap(a, b)? && !passes(state, own, its) {
+                    return Some(true);
+                }
+            }
+        }
+    }
+    Some(false)
 }
 
-/// Whether no loose body that moved may have come to where a driven one was.
-fn is_room_kept(state: &State, body: usize) -> bool {
+/// Whether no loose body that moved may have come to where a driven one was; `None` when the tests ran out.
+fn is_room_kept(state: &State, body: usize, tests: &mut Tests) -> Option<bool> {
     let own = PiecesOf::new(state.pieces.next, state.bodies.first_piece[body]);
     let whole = own.clone().fold(Bounds::EMPTY, |whole, piece| {
         whole.union(state.pieces.bounds[piece])
     });
-    let slots = 0..state.registers.piece_slots as usize;
-    let mut moved = slots.filter(|&piece| {
-        is_loose_kind(state.pieces.body_kind[piece])
-            && state.islands.near[state.pieces.body[piece] as usize].overlaps(&whole)
-            && loose::piece_pose(state, piece) != state.pieces.world[piece]
-    });
-    !moved.any(|piece| {
-        let (_, bounds) = seat(state, piece);
-        own.clone()
-            .any(|own| state.pieces.bounds[own].overlaps(&bounds))
-    })
+    for piece in 0..state.registers.piece_slots as usize {
+        if !is_loose_kind(state.pieces.body_kind[piece]) {
+            continue;
+        }
+        let near = &state.islands.near[state.pieces.body[piece] as usize];
+        if !tests.overlap(near, &whole)? {
+            continue;
+        }
+        let (pose, bounds) = seat(state, piece);
+        if pose == state.pieces.world[piece] {
+            continue;
+        }
+        for own in own.clone() {
+            if tests.overlap(&state.pieces.bounds[own], &bounds)? {
+                return Some(false);
+            }
+        }
+    }
+    Some(true)
 }
 
 /// Whether the host made driven bodies overlap.

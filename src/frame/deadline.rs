@@ -50,6 +50,8 @@ pub struct Census {
     pub bodies: u32,
     /// Pieces in use.
     pub pieces: u32,
+    /// Driven bodies.
+    pub driven: u32,
     /// Pieces of driven bodies.
     pub driven_pieces: u32,
     /// Dynamic and hosted bodies.
@@ -62,6 +64,7 @@ impl Census {
     /// Counts. Cost: a pass over bodies, pieces and chains.
     pub(crate) fn of(state: &State) -> Self {
         let mut census = Self {
+            driven: state.registers.driven,
             loose: state.registers.loose,
             ..Self::default()
         };
@@ -80,13 +83,21 @@ impl Census {
     }
 
     /// Most tests of two boxes that a frame makes whatever happens: every driven piece against all, loose bodies
-    /// against bodies, to find the islands, and driven pieces against each other where a loose body stops one.
+    /// against bodies, to find the islands, and those for who stays behind.
     #[must_use]
     pub fn box_tests(&self) -> u64 {
-        let [bodies, pieces] = [self.bodies, self.pieces].map(u64::from);
-        let [driven, loose] = [self.driven_pieces, self.loose].map(u64::from);
-        let strays = if loose > 0 { driven * driven } else { 0 };
-        driven * pieces + 2 * loose * bodies + strays
+        let [bodies, pieces, loose] = [self.bodies, self.pieces, self.loose].map(u64::from);
+        u64::from(self.driven_pieces) * pieces + 2 * loose * bodies + self.stray_tests()
+    }
+
+    /// Most tests of two boxes for which driven bodies stay behind, where loose ones stopped some and the units ran
+    /// out: as many as take all driven pieces against each other.
+    pub(crate) fn stray_tests(&self) -> u64 {
+        if self.loose > 0 && self.driven > 1 {
+            u64::from(self.driven_pieces) * u64::from(self.driven_pieces)
+        } else {
+            0
+        }
     }
 }
 

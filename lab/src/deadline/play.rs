@@ -24,6 +24,9 @@ pub const DEADLINES_US: [u32; 5] = [50, 100, 250, 500, 1000];
 /// Every so many frames the driven pieces are judged in f64.
 pub const JUDGED_EVERY: u32 = 50;
 
+/// One part in so many of a deadline is kept for what the machine does beside us.
+const CLOCK_MARGIN: u64 = 32;
+
 /// Frames at the start that are not counted: a first frame finds nothing in the caches and everything new.
 const UNCOUNTED: u32 = 10;
 
@@ -252,7 +255,8 @@ pub fn time(
     Ok(Duration::from_nanos(cpu_ns))
 }
 
-/// One frame, by its prices and by the wall's clock.
+/// One frame, by its prices and by the wall's clock, which is over a little before the deadline: an interrupt after the
+/// last look at it is not to be too much.
 fn step(
     world: &mut World,
     input: &FrameInput,
@@ -267,8 +271,17 @@ fn step(
     timed(|| {
         let begun = Instant::now();
         let clock = || begun.elapsed().as_nanos() as u64;
-        world.step_by_clock(input, &clock, ends_ns.saturating_sub(floor_ns))
+        world.step_by_clock(
+            input,
+            &clock,
+            clock_ends_ns(ends_ns).saturating_sub(floor_ns),
+        )
     })
+}
+
+/// When a frame with a deadline is to be over by the clock.
+const fn clock_ends_ns(deadline_ns: u64) -> u64 {
+    deadline_ns - deadline_ns / CLOCK_MARGIN
 }
 
 fn input(deadline_us: Option<u32>, costs: &CostTable) -> FrameInput {
