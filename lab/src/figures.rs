@@ -130,6 +130,26 @@ impl Figure {
         }
     }
 
+    /// A chain that hangs on the root with its pieces, and nothing else.
+    #[must_use]
+    pub fn chain_alone(&self, chain: usize) -> Self {
+        let of_chain = |piece: &FigurePiece| {
+            let (own, hinge) = piece.link?;
+            (own == chain).then(|| FigurePiece {
+                link: Some((0, hinge)),
+                ..piece.clone()
+            })
+        };
+        Self {
+            chains: vec![FigureChain {
+                base: None,
+                joints: self.chains[chain].joints.clone(),
+            }],
+            pieces: self.pieces.iter().filter_map(of_chain).collect(),
+            apart: Vec::new(),
+        }
+    }
+
     /// Hinges of all chains.
     #[must_use]
     pub fn hinges(&self) -> usize {

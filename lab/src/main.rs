@@ -459,7 +459,7 @@ fn figures(
     hand: &Hand,
     frames: u32,
 ) -> Result<(Vec<FigureScene>, Option<ArmSlaps>), Box<dyn std::error::Error>> {
-    let suite = Suite::new(hand);
+    let suite = Suite::new(hand)?;
     let bar = progress(suite.frames(frames)?, "frames of figures")?;
     let scenes = suite.run(frames, || bar.inc(1))?;
     bar.finish_and_clear();

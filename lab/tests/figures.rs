@@ -150,7 +150,7 @@ fn fingers_stop_on_their_own() {
 
 #[test]
 fn no_slap_of_the_arm_goes_through() {
-    let suite = Suite::new(&Hand::load().unwrap());
+    let suite = Suite::new(&Hand::load().unwrap()).unwrap();
     let slaps = suite.slaps(40, || ()).unwrap();
     assert_eq!(slaps.slaps, 40);
     assert!(slaps.tunnelled_speeds.is_empty(), "{slaps:?}");
@@ -165,10 +165,24 @@ fn no_slap_of_the_arm_goes_through() {
     assert!(slaps.touched > 30, "{slaps:?}");
 }
 
-fn wrist_in_a_wall(style: Style) -> FigureScene {
+/// Whole avatars, and arms alone.
+const WRISTS: [(Style, bool); 4] = [
+    (Style::Hulls, false),
+    (Style::Capsules, false),
+    (Style::Hulls, true),
+    (Style::Capsules, true),
+];
+
+/// Of a whole avatar, or of its arm alone.
+fn wrist_in_a_wall(style: Style, alone: bool) -> FigureScene {
     let plan = AvatarPlan::new(MOTION_HEIGHT_M, style, Trunk::Rigid);
     let figure = Figure::of_avatar(&plan);
-    let mut scene = wrist::into_wall(&plan, &figure).unwrap();
+    let arm = wrist::right_arm(&plan, &figure).unwrap();
+    let mut scene = if alone {
+        wrist::arm_into_wall(&plan, &arm).unwrap()
+    } else {
+        wrist::into_wall(&plan, &figure).unwrap()
+    };
     let done = play(&scene, || ()).unwrap();
     scene.name += ", all frames";
     summary("figure", &scene, &done).unwrap()
@@ -176,8 +190,8 @@ fn wrist_in_a_wall(style: Style) -> FigureScene {
 
 #[test]
 fn an_arm_led_by_the_wrist_keeps_out() {
-    for style in [Style::Hulls, Style::Capsules] {
-        let scene = wrist_in_a_wall(style);
+    for (style, alone) in WRISTS {
+        let scene = wrist_in_a_wall(style, alone);
         assert_kept(&scene);
         assert!(scene.root_off_mm_max <= 1.0, "{}", scene.root_off_mm_max);
     }
@@ -185,8 +199,8 @@ fn an_arm_led_by_the_wrist_keeps_out() {
 
 #[test]
 fn a_wrist_stays_nearest_to_its_tracker() {
-    for style in [Style::Hulls, Style::Capsules] {
-        let scene = wrist_in_a_wall(style);
+    for (style, alone) in WRISTS {
+        let scene = wrist_in_a_wall(style, alone);
         let (wrist, rest) = (scene.wrist.unwrap(), scene.rest.unwrap());
         assert!(wrist.off_mm_max <= WRIST_OFF_MM_MAX, "{style:?}: {wrist:?}");
         assert!(

@@ -22,6 +22,8 @@ pub struct Suite {
     capsules: AvatarPlan,
     hulls_figure: Figure,
     capsules_figure: Figure,
+    hulls_arm: Figure,
+    capsules_arm: Figure,
     grasps: Grasps,
 }
 
@@ -33,17 +35,22 @@ const CYCLIC: ChainOptions = ChainOptions {
 
 impl Suite {
     /// With the lab's hand.
-    #[must_use]
-    pub fn new(hand: &Hand) -> Self {
+    ///
+    /// # Errors
+    /// [`SceneError`] when the avatar has no right arm.
+    pub fn new(hand: &Hand) -> Result<Self, SceneError> {
         let plan = |style| AvatarPlan::new(MOTION_HEIGHT_M, style, Trunk::Rigid);
         let (hulls, capsules) = (plan(Style::Hulls), plan(Style::Capsules));
-        Self {
-            hulls_figure: Figure::of_avatar(&hulls),
-            capsules_figure: Figure::of_avatar(&capsules),
+        let [hulls_figure, capsules_figure] = [&hulls, &capsules].map(Figure::of_avatar);
+        Ok(Self {
+            hulls_arm: wrist::right_arm(&hulls, &hulls_figure)?,
+            capsules_arm: wrist::right_arm(&capsules, &capsules_figure)?,
+            hulls_figure,
+            capsules_figure,
             hulls,
             capsules,
             grasps: Grasps::new(hand),
-        }
+        })
     }
 
     /// All scenes, with the name of the figure that plays.
@@ -64,12 +71,16 @@ impl Suite {
         }
         let scene = wrist::into_wall(&self.hulls, &self.hulls_figure)?;
         all.push((hulls, scene));
+        let scene = wrist::arm_into_wall(&self.hulls, &self.hulls_arm)?;
+        all.push(("arm alone".to_owned(), scene));
         for kind in MotionKind::ALL {
             let scene = of_motion(&self.capsules_figure, kind, AVATAR_OPTIONS);
             all.push(("avatar in capsules".to_owned(), scene));
         }
         let scene = wrist::into_wall(&self.capsules, &self.capsules_figure)?;
         all.push(("avatar in capsules".to_owned(), scene));
+        let scene = wrist::arm_into_wall(&self.capsules, &self.capsules_arm)?;
+        all.push(("arm alone in capsules".to_owned(), scene));
         for scene in self.grasps.scenes()? {
             all.push(("hand with bending fingers".to_owned(), scene));
         }

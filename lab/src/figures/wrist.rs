@@ -86,6 +86,32 @@ pub fn into_wall<'s>(plan: &'s AvatarPlan, figure: &'s Figure) -> Result<Scene<'
     })
 }
 
+/// The same with the arm and nothing else, as physics engines are measured with.
+///
+/// # Errors
+/// [`SceneError`] when the avatar has no such arm.
+pub fn arm_into_wall<'s>(plan: &'s AvatarPlan, arm: &'s Figure) -> Result<Scene<'s>, SceneError> {
+    let mut scene = into_wall(plan, arm)?;
+    let Some(tip) = &mut scene.tip else {
+        return Err(refused("wrist", "no tracker"));
+    };
+    let mut posture = (scene.target)(0);
+    posture.angles = vec![posture.angles.swap_remove(tip.chain)];
+    tip.chain = 0;
+    scene.target = Box::new(move |_| posture.clone());
+    Ok(scene)
+}
+
+/// The right arm of an avatar's figure.
+///
+/// # Errors
+/// [`SceneError`] when the avatar has none.
+pub fn right_arm(plan: &AvatarPlan, figure: &Figure) -> Result<Figure, SceneError> {
+    let chain = plan.chain(Limb::RightArm);
+    let chain = chain.ok_or_else(|| refused("wrist", "no right arm"))?;
+    Ok(figure.chain_alone(chain))
+}
+
 /// An avatar that stands with the right elbow drawn back and the forearm forward.
 fn ready(plan: &AvatarPlan, chain: usize) -> Target {
     let mut target = plan.neutral();
