@@ -29,11 +29,11 @@ mod alone;
 mod climb;
 mod metric;
 mod program;
-mod settled;
+mod relaxed;
 mod spot;
 
 pub use program::PASSES_MAX;
-pub(crate) use settled::is_least;
+pub(crate) use relaxed::relaxed;
 
 use arrayvec::ArrayVec;
 

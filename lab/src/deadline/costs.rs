@@ -6,11 +6,14 @@
 //! and Powell 1987), none below zero; then all are raised by what the worst frames cost more, and a margin.
 //! The result is a measured worst case, not a guarantee.
 
+use glam::Vec3;
 use palpable::frame::{Budget, Census, CostTable, FrameInput};
+use palpable::geometry::chain::{Hinge, JointDef};
 use palpable::limits::BOXES_PER_UNIT;
 use palpable::math::Pose;
 use palpable::state::bodies::BodyKind;
-use palpable::world::{BodyDef, PieceDef, Shape, World};
+use palpable::state::chains::ChainOptions;
+use palpable::world::{BodyDef, ChainDef, PieceDef, Shape, World};
 use serde::{Deserialize, Serialize};
 
 use super::stopwatch::{Eviction, timed};
@@ -120,7 +123,7 @@ fn priced(prices: &[f64; PRICES], counts: &[f64; PRICES]) -> f64 {
 const UNDERPRICED_WEIGHT: f64 = 30.0;
 
 /// Frames shorter than this are taken for as long, in nanoseconds: their errors are not to matter more.
-const SHORT_NS: f64 = 30_000.0;
+const SHORT_NS: f64 = 10_000.0;
 
 /// Frames longer than this say nothing about deadlines, in nanoseconds.
 const LONG_NS: f64 = 2e6;
@@ -225,6 +228,63 @@ fn free_frames(kind: BodyKind, bodies: u32, pieces: u32, count: u32) -> Vec<Fram
     })
 }
 
+/// Frames of arms in free air, all of whose joints move, so that none is like the one before.
+fn arm_frames(arms: u32, count: u32) -> Vec<Frame> {
+    let capacities = Trial::AllChains.capacities();
+    let mut block = Block::new(&capacities);
+    let mut world = World::create(block.bytes(), &capacities).expect("the block fits");
+    let body = world
+        .add_body(&BodyDef::new(BodyKind::Driven, Pose::IDENTITY))
+        .expect("there is room");
+    let joints = [
+        Vec3::X,
+        Vec3::Z,
+        Vec3::Y,
+        Vec3::X,
+        Vec3::Y,
+        Vec3::X,
+        Vec3::Z,
+    ]
+    .map(|axis| {
+        JointDef::Hinge(Hinge {
+            rest: Pose::at(0.0, -0.1, 0.0),
+            axis,
+            low_rad: -1.0,
+            high_rad: 1.0,
+        })
+    });
+    let mut chains = Vec::new();
+    for arm in 0..arms {
+        let [JointDef::Hinge(mut first), others @ ..] = joints else {
+            unreachable!("hinges were made above")
+        };
+        first.rest = Pose::at(arm as f32, 0.0, 0.0);
+        let joints: Vec<JointDef> = std::iter::once(JointDef::Hinge(first))
+            .chain(others)
+            .collect();
+        let def = ChainDef {
+            joints: &joints,
+            base: None,
+            options: ChainOptions::DEFAULT,
+        };
+        let chain = world.add_chain(body, &def).expect("there is room");
+        for link in [2, 4, 6] {
+            let def = PieceDef::new(Shape::Segment([0.0; 3], [0.0, -0.1, 0.0]), 0.03);
+            world
+                .add_link_piece(chain, link, &def)
+                .expect("there is room");
+        }
+        chains.push(chain);
+    }
+    frames_of(&mut world, count, |world, frame| {
+        let angles = [0.01 * (frame % 100) as f32; 7];
+        for &chain in &chains {
+            let _ = world.set_angles(chain, &angles);
+        }
+        FrameInput::unlimited(1.0 / RATE_HZ)
+    })
+}
+
 /// Frames of a trial with budgets of all sizes.
 fn trial_frames(kit: &Kit, trial: Trial, count: u32) -> Result<Vec<Frame>, SceneError> {
     kit.stage(trial, |world, cast, _| {
@@ -233,7 +293,7 @@ fn trial_frames(kit: &Kit, trial: Trial, count: u32) -> Result<Vec<Frame>, Scene
             if let Err(why) = kit.tell(trial, world, cast, frame) {
                 failed.get_or_insert(why);
             }
-            let units = [u32::MAX, 400, 200, 100, 50, 25, 12][(frame / 7 % 7) as usize];
+            let units = [u32::MAX, 400, 200, 100, 50, 25, 12, 0][(frame / 7 % 8) as usize];
             FrameInput {
                 budget: Budget {
                     advance_units: units,
@@ -260,6 +320,9 @@ pub fn calibrate(kit: &Kit, count: u32, mut tick: impl FnMut()) -> Result<Calibr
         (BodyKind::Fixed, 90, 2),
     ] {
         frames.extend(free_frames(kind, bodies, pieces, count / 4));
+    }
+    for arms in [1, 4, 8] {
+        frames.extend(arm_frames(arms, count / 4));
     }
     tick();
     for trial in Trial::ALL {

@@ -3,10 +3,13 @@
 //! Contact presses from frame to frame much alike: the wanted angles with a part of the last frame's correction are
 //! near to what is looked for, and for the least deviation often all of it.
 
+use core::ops::Range;
+
 use super::{Angles, Problem, TOLERANCE_M};
 use crate::geometry::chain::Posture;
 use crate::math;
-use crate::reach::least_deviation::is_least;
+use crate::reach::goal::Row;
+use crate::reach::least_deviation::relaxed;
 use crate::reach::touch::deepest_m;
 use crate::state::State;
 use crate::state::chains::joints_of;
@@ -14,12 +17,16 @@ use crate::state::chains::joints_of;
 /// Most that contact is expected to turn a joint by beyond what it did in the last frame, in radians.
 const PRESSED_MORE_RAD: f32 = 0.05;
 
-/// Points that are above their planes by no more than this are pressed, in metres.
+/// Points that are above their planes by no more than this are pressed, and relaxing may leave them as much below, in
+/// metres.
 const PRESSED_M: f32 = 1e-5;
 
-/// Where no joint is pushed by more than this beside what contact holds, a step would gain nothing, in radians: it
-/// would change angles by no more.
-const PUSH_MAX_RAD: f32 = 3e-3;
+/// Joints give way to pushes beside what contact holds that are larger than the first; larger ones than the second take a
+/// step, in radians.
+const PUSH_RAD: Range<f32> = 6e-4..5e-3;
+
+/// How often the part of what contact did is mended for how heights bend.
+const MENDS: u32 = 2;
 
 /// What contact did to a chain in the last frame.
 struct Pressed<'p> {
@@ -52,38 +59,40 @@ impl Problem<'_> {
     }
 
     /// The least deviation without a step: the wanted angles with the part of the last frame's correction that has the
-    /// lowest goal on its plane, where they take the links, and what is missed there. None where a step would gain
-    /// anything to speak of.
+    /// lowest goal on its plane, relaxed, where they take the links, and what is missed there. None where a step is due.
     ///
-    /// Cost: at most three forward kinematics, two mostly, and the slopes of the goals that press.
+    /// Cost: at most four forward kinematics, and the slopes of the goals that press.
     pub(super) fn foreseen(&mut self, state: &State) -> Option<(Angles, Posture, f32)> {
         let pressed = self.pressed(state)?;
-        let (lowest, above_m) = self.lowest(&pressed.all);
+        let (lowest, mut above_m) = self.lowest(&pressed.all);
         let goal = self.goals.get(lowest)?;
         let row = goal.row(&goal.levers(&pressed.all));
-        let gain_m: f32 = row.iter().zip(pressed.by).map(|(a, b)| a * b).sum();
+        let gain_m = self.gain_m(state, &pressed, &row);
         if gain_m <= 0.0 {
             return None;
         }
-        let mut part = pressed.part(1.0, above_m, gain_m);
-        let mut angles = self.pressed_by(state, &pressed, part);
-        let mut posture = self.posture(state, &angles);
-        let above_m = self.lowest(&posture).1;
-        if above_m.abs() > TOLERANCE_M {
+        let (mut part, mut posture) = (1.0, pressed.all.clone());
+        for _ in 0..MENDS {
+            if above_m.abs() <= TOLERANCE_M {
+                break;
+            }
             part = pressed.part(part, above_m, gain_m);
-            angles = self.pressed_by(state, &pressed, part);
-            posture = self.posture(state, &angles);
+            posture = self.posture(state, &self.pressed_by(state, &pressed, part));
+            above_m = self.lowest(&posture).1;
         }
+        let mut angles = self.pressed_by(state, &pressed, part);
         self.look(state, &posture);
-        let is_least = is_least(
-            &self.task(state),
-            &angles,
-            &posture,
-            TOLERANCE_M..PRESSED_M,
-            PUSH_MAX_RAD,
-        );
+        let near_m = TOLERANCE_M..PRESSED_M;
+        let next = relaxed(&self.task(state), &angles, &posture, near_m, PUSH_RAD)?;
+        if next != angles {
+            let there = self.posture(state, &next);
+            // A limit on the way may have bent it toward a plane.
+            if deepest_m(&self.goals, &there) <= PRESSED_M {
+                (angles, posture) = (next, there);
+            }
+        }
         let missed_m = deepest_m(&self.goals, &posture);
-        is_least.then_some((angles, posture, missed_m))
+        Some((angles, posture, missed_m))
     }
 
     /// What contact did to the chain in the last frame, if anything.
@@ -100,6 +109,21 @@ impl Problem<'_> {
         };
         pressed.all = self.posture(state, &self.pressed_by(state, &pressed, 1.0));
         Some(pressed)
+    }
+
+    /// What a height with such slopes gains by each whole part more, in metres. Joints at their limits go no farther.
+    fn gain_m(&self, state: &State, pressed: &Pressed, row: &Row) -> f32 {
+        let hinges = &state.joints.hinge[joints_of(state, self.limb.chain)];
+        let ends = self.wanted.iter().zip(pressed.by).zip(hinges);
+        let gains = ends.zip(row).map(|(((wanted, by), hinge), slope)| {
+            let angle = wanted + by;
+            if hinge.low_rad < angle && angle < hinge.high_rad {
+                slope * by
+            } else {
+                0.0
+            }
+        });
+        gains.sum()
     }
 
     /// The wanted angles with a part of it, within the limits.

@@ -1,13 +1,15 @@
-//! Whether angles are those of least deviation already, without a step.
+//! Angles near the least deviation, taken nearer to it without a step.
 //!
 //! The conditions of Karush (1939) and of Kuhn and Tucker (1951): the goals' planes are kept, and the change from the
-//! tracked angles is what the goals on their planes press the joints to, but for joints that a limit holds.
+//! tracked angles is what the goals on their planes press the joints to, but for joints that a limit holds. What is left
+//! of it is minus the gradient of the cost along the planes, and the joints give way to it once: where heights bend less
+//! than the change of the angles bears, which nearness means, that leaves less of it.
 
 use core::ops::Range;
 
 use arrayvec::ArrayVec;
 
-use crate::geometry::chain::Posture;
+use crate::geometry::chain::{Hinge, Posture};
 use crate::limits::CHAIN_HINGES_MAX;
 use crate::math;
 use crate::reach::goal::{Angles, Row, Task};
@@ -21,28 +23,28 @@ const SWEEPS: u32 = 8;
 /// A limb nearer to an edge of its cone than this may be held by it, in radians.
 const EDGE_RAD: f32 = 1e-3;
 
-/// Whether angles, which take the links to `placed`, leave no goal missed by more than `near_m.start` and no joint more
-/// than `push_rad` of push that nothing holds; goals that are met by no more than `near_m.end` may press. Where soft
-/// goals, goals to be met exactly or the edge of a reach cone may have a say, they are not.
+/// Angles that take the links to `placed` and miss no goal by more than `near_m.start`, with the joints given way to
+/// what pushes them; goals that are met by no more than `near_m.end` may press. None where a joint is pushed by more than
+/// `push_rad.end`; where none is by more than `push_rad.start`, they stay as they are. Where soft goals, goals to be met
+/// exactly or the edge of a reach cone may have a say, it says none.
 ///
 /// Cost: the slopes of at most four goals, whose forces a few sweeps of projected Gauss-Seidel find.
-pub(crate) fn is_least(
+pub(crate) fn relaxed(
     task: &Task,
     q: &Angles,
     placed: &Posture,
     near_m: Range<f32>,
-    push_rad: f32,
-) -> bool {
-    let Some(rows) = pressing(task, placed, &near_m) else {
-        return false;
-    };
-    let may_be_held = task.used_balls().iter().any(|ball| {
+    push_rad: Range<f32>,
+) -> Option<Angles> {
+    let rows = pressing(task, placed, &near_m)?;
+    let mut balls = task.used_balls().iter();
+    let may_be_held = balls.any(|ball| {
         let limb = ball.limb(q);
         let mut walls = ball.walls(limb).into_iter();
         walls.any(|wall| wall.dot(limb) < EDGE_RAD)
     });
     if may_be_held {
-        return false;
+        return None;
     }
     let mut push = [0.0; CHAIN_HINGES_MAX];
     let mut free = [false; CHAIN_HINGES_MAX];
@@ -52,16 +54,27 @@ pub(crate) fn is_least(
         free[joint] = hinge.low_rad < *angle && *angle < hinge.high_rad;
     }
     balance(&rows, &free, &mut push);
-    q.iter().enumerate().all(|(joint, angle)| {
-        let held = if free[joint] {
-            false
-        } else if *angle <= task.hinges[joint].low_rad {
-            push[joint] <= 0.0
-        } else {
-            push[joint] >= 0.0
-        };
-        held || push[joint].abs() <= push_rad
+    let (mut next, mut most) = (q.clone(), 0.0);
+    for (joint, angle) in next.iter_mut().enumerate() {
+        let hinge = &task.hinges[joint];
+        if !is_held(hinge, *angle, push[joint]) {
+            most = math::max(most, push[joint].abs());
+            *angle = hinge.kept(*angle + push[joint]);
+        }
+    }
+    if most > push_rad.end {
+        return None;
+    }
+    Some(if most > push_rad.start {
+        next
+    } else {
+        q.clone()
     })
+}
+
+/// Whether a limit holds a joint against a push.
+fn is_held(hinge: &Hinge, angle: f32, push: f32) -> bool {
+    (angle <= hinge.low_rad && push <= 0.0) || (angle >= hinge.high_rad && push >= 0.0)
 }
 
 /// The slopes of the goals that may press; none when one is missed or not of that kind, or there are too many.
