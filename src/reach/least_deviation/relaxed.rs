@@ -9,7 +9,7 @@ use core::ops::Range;
 
 use arrayvec::ArrayVec;
 
-use crate::geometry::chain::{Hinge, Posture};
+use crate::geometry::chain::{BOUNDARY_RAD, Hinge, Posture};
 use crate::limits::CHAIN_HINGES_MAX;
 use crate::math;
 use crate::reach::goal::{Angles, Row, Task};
@@ -25,8 +25,8 @@ const EDGE_RAD: f32 = 1e-3;
 
 /// Angles that take the links to `placed` and miss no goal by more than `near_m.start`, with the joints given way to
 /// what pushes them; goals that are met by no more than `near_m.end` may press. None where a joint is pushed by more than
-/// `push_rad.end`; where none is by more than `push_rad.start`, they stay as they are. Where soft goals, goals to be met
-/// exactly or the edge of a reach cone may have a say, it says none.
+/// `push_rad.end`; where none is by more than `push_rad.start`, or a ball would leave its cone, they stay as they are.
+/// Where soft goals, goals to be met exactly or the edge of a reach cone may have a say, there are none.
 ///
 /// Cost: the slopes of at most four goals, whose forces a few sweeps of projected Gauss-Seidel find.
 pub(crate) fn relaxed(
@@ -65,7 +65,9 @@ pub(crate) fn relaxed(
     if most > push_rad.end {
         return None;
     }
-    Some(if most > push_rad.start {
+    let mut balls = task.used_balls().iter();
+    let is_within = balls.all(|ball| ball.outside_rad(&next) <= BOUNDARY_RAD);
+    Some(if most > push_rad.start && is_within {
         next
     } else {
         q.clone()
