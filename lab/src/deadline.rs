@@ -55,7 +55,7 @@ pub fn run(
         tick(&whole);
         outcomes.push(whole);
         for (deadline_us, local_errors) in DEADLINES_US.into_iter().zip(trace.take_local_errors()) {
-            let cut = play::play(kit, trial, frames, Some(deadline_us), &costs, &mut trace)?;
+            let cut = play::play_undisturbed(kit, trial, frames, deadline_us, &costs, &mut trace)?;
             tick(&cut);
             outcomes.push(Outcome {
                 local_errors,

@@ -39,6 +39,24 @@ fn deadline(outcome: &Outcome) -> String {
         .map_or("none".to_owned(), |us| us.to_string())
 }
 
+/// What runs showed that were not taken.
+fn disturbed(outcome: &Outcome) -> String {
+    let runs = outcome.disturbed.iter();
+    let told: Vec<String> = runs
+        .map(|run| {
+            format!(
+                "{}, {}, {}",
+                run.misses_cpu, run.misses_again, run.misses_loop
+            )
+        })
+        .collect();
+    if told.is_empty() {
+        "-".to_owned()
+    } else {
+        told.join("; ")
+    }
+}
+
 /// Frame times, misses and what was cut.
 #[must_use]
 pub fn of_times(outcomes: &[Outcome]) -> String {
@@ -48,6 +66,7 @@ pub fn of_times(outcomes: &[Outcome]) -> String {
         "processor: median / 99 / 99.9 / 99.99 % / max [us]",
         "wall: the same [us]",
         "misses: processor, those again in a replay, a loop as long, wall",
+        "the first three in disturbed runs",
         "above price",
         "frames",
         "cut by price, by clock",
@@ -62,6 +81,7 @@ pub fn of_times(outcomes: &[Outcome]) -> String {
                 "{}, {}, {}, {}",
                 outcome.misses_cpu, outcome.misses_again, outcome.misses_loop, outcome.misses_wall
             )),
+            right(disturbed(outcome)),
             right(outcome.above_price),
             right(outcome.frames),
             right(format!("{}, {}", outcome.cut, outcome.late)),
