@@ -155,8 +155,8 @@ pub fn arm() -> u64 {
             world.set_angles(finger, &[curl]).unwrap();
             let reach_steps = match frame {
                 0..480 => u32::MAX,
-                480..580 => 1,
-                _ => 0,
+                480..590 => 0,
+                _ => 1,
             };
             world.step(&FrameInput {
                 budget: Budget {
