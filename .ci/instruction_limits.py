@@ -70,7 +70,7 @@ OF_CHAINS = re.compile(
     r"palpable::reach::(skeleton(?!::propose)|limb|touch|least_deviation|cyclic_descent|goal)"
 )
 WITH_CHAINS = re.compile(r"arms|fingers|chains")
-CHAINS_IN_CONTACT = ("ten_frames.arms_at_a_wall", "heaviest_frame.two_arms")
+CHAINS_IN_CONTACT = ("typical_frame.arms_led_by_their_tips", "heaviest_frame.two_arms")
 
 # The same for loose bodies; `src/impulses.rs` itself asks whether there are any.
 OF_LOOSE = re.compile(r"/src/impulses/")
