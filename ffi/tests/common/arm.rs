@@ -153,10 +153,25 @@ pub fn arm() -> u64 {
             world.set_angles(neck, &[nod]).unwrap();
             let curl = 0.02 * (frame % 40) as f32;
             world.set_angles(finger, &[curl]).unwrap();
+            let default = ChainOptions::DEFAULT;
+            let options = match frame {
+                300 => Some(ChainOptions {
+                    method: ChainOptions::CYCLIC_DESCENT,
+                    ..default
+                }),
+                480 => Some(ChainOptions {
+                    flags: default.flags | ChainOptions::HOLDS_TIP,
+                    ..default
+                }),
+                _ => None,
+            };
+            if let Some(options) = options {
+                world.set_chain_options(arm, &options).unwrap();
+            }
             let reach_steps = match frame {
                 0..480 => u32::MAX,
-                480..590 => 0,
-                _ => 1,
+                480..580 => 1,
+                _ => 0,
             };
             world.step(&FrameInput {
                 budget: Budget {
