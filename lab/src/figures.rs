@@ -14,7 +14,6 @@ pub mod wrist;
 use palpable::geometry::chain::JointDef;
 use palpable::math::Pose;
 use palpable::memory::{BodyId, ChainId, PieceId};
-use palpable::state::bodies::BodyKind;
 use palpable::state::chains::ChainOptions;
 use palpable::state::materials::Material;
 use palpable::world::{BodyDef, ChainDef, PieceDef, Shape, World};
@@ -179,12 +178,10 @@ fn refused(what: &str, why: impl std::fmt::Debug) -> SceneError {
 pub fn add(
     world: &mut World,
     figure: &Figure,
-    root: Pose,
+    body: &BodyDef,
     options: &ChainOptions,
 ) -> Result<FigureIds, SceneError> {
-    let body = world
-        .add_body(&BodyDef::new(BodyKind::Driven, root))
-        .map_err(|why| refused("figure", why))?;
+    let body = world.add_body(body).map_err(|why| refused("figure", why))?;
     let mut ids = FigureIds {
         body,
         chains: Vec::new(),

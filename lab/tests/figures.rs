@@ -4,7 +4,7 @@ use palpable::geometry::chain::{Hinge, JointDef};
 use palpable::math::Pose;
 use palpable::state::bodies::BodyKind;
 use palpable::state::chains::ChainOptions;
-use palpable::world::World;
+use palpable::world::{BodyDef, World};
 use palpable_lab::avatar::motions::{MOTION_HEIGHT_M, MotionKind};
 use palpable_lab::avatar::{AvatarPlan, Style, Trunk};
 use palpable_lab::figures::capture::{CaptureError, Clip};
@@ -273,7 +273,8 @@ fn the_judge_finds_what_was_put_there() {
     for angle in [0.0_f32, -0.1, 0.05, -0.3] {
         let mut memory = Block::new(&CAPACITIES);
         let mut world = World::create(memory.bytes(), &CAPACITIES).unwrap();
-        let ids = add(&mut world, &figure, Pose::IDENTITY, &ChainOptions::DEFAULT).unwrap();
+        let body = BodyDef::new(BodyKind::Driven, Pose::IDENTITY);
+        let ids = add(&mut world, &figure, &body, &ChainOptions::DEFAULT).unwrap();
         let bodies = add_things(&mut world, &things).unwrap();
         world.place_angles(ids.chains[0], &[angle]).unwrap();
         world.place_angles(ids.chains[1], &[angle + 0.05]).unwrap();

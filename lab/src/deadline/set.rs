@@ -206,10 +206,10 @@ impl<'s, 'w> Set<'s, 'w> {
     pub fn figure(
         &mut self,
         figure: &Figure,
-        root: Pose,
+        body: &BodyDef,
         options: &ChainOptions,
     ) -> Result<(), SceneError> {
-        let ids = figures::add(self.world, figure, root, options)?;
+        let ids = figures::add(self.world, figure, body, options)?;
         let group = self.group();
         for piece in &figure.pieces {
             let solid = Solid::from_f32(&piece.points, piece.radius_m)

@@ -5,7 +5,8 @@
 use glam::{DQuat, DVec3, Quat, Vec3};
 use palpable::math::Pose;
 use palpable::memory::Capacities;
-use palpable::world::{Shape, World};
+use palpable::state::bodies::{BodyKind, Coupling};
+use palpable::world::{BodyDef, Shape, World};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -22,6 +23,14 @@ use crate::script::HandTarget;
 
 /// Frames a second of all trials.
 pub const RATE_HZ: f32 = 90.0;
+
+/// An avatar that furniture holds farther than this from its tracker snaps to it as soon as nothing is in the way
+/// there, in metres: what a host asks for whose users walk through furniture. Otherwise it would stand behind the
+/// first wall for most of the run, away from everything.
+const AVATAR_SNAPS_M: f32 = 0.6;
+
+/// How high its soles are tracked above the floor, in metres, which is not to be in the way when it snaps.
+const WALKS_ABOVE_M: f32 = 0.02;
 
 /// An adversarial scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -313,7 +322,16 @@ impl Kit {
 
     fn visitor(&self, set: &mut Set) -> Result<(), SceneError> {
         set.gallery()?;
-        set.figure(&self.figure, self.walking(0).root, &AVATAR_OPTIONS)
+        let coupling = Coupling {
+            divergence_m: AVATAR_SNAPS_M,
+            snap: Coupling::SNAP_WHEN_FREE,
+            ..Coupling::DEFAULT
+        };
+        let body = BodyDef {
+            coupling,
+            ..BodyDef::new(BodyKind::Driven, self.walking(0).root)
+        };
+        set.figure(&self.figure, &body, &AVATAR_OPTIONS)
     }
 
     /// The script of the pushed wall, wandering through the gallery.
@@ -322,7 +340,7 @@ impl Kit {
         let t = frame as f32 / RATE_HZ;
         let away = Vec3::new(
             1.2 + 2.4 * (0.35 * t).sin(),
-            seen.root.translation().y,
+            seen.root.translation().y + WALKS_ABOVE_M,
             0.9 + 1.1 * (0.47 * t).sin(),
         );
         seen.root = Pose::new(Quat::from_rotation_y(0.6 * t), away);
@@ -338,7 +356,8 @@ impl Kit {
         )?;
         let mut root = self.plan.neutral().root;
         root.position[1] += 0.03;
-        set.figure(&self.figure, root, &AVATAR_OPTIONS)
+        let body = BodyDef::new(BodyKind::Driven, root);
+        set.figure(&self.figure, &body, &AVATAR_OPTIONS)
     }
 
     /// Postures that leave the cell on all sides.

@@ -9,7 +9,7 @@ use palpable::math::Pose;
 use palpable::memory::Capacities;
 use palpable::state::bodies::BodyKind;
 use palpable::state::chains::ChainOptions;
-use palpable::world::World;
+use palpable::world::{BodyDef, World};
 
 use super::judge::{Finding, Judge, add_things};
 use super::{Figure, FigureIds, add, refused};
@@ -190,7 +190,8 @@ pub fn play_and(
 /// The figure in its first posture.
 fn begin(world: &mut World, scene: &Scene) -> Result<FigureIds, SceneError> {
     let first = (scene.target)(0);
-    let ids = add(world, scene.figure, first.root, &scene.options)?;
+    let body = BodyDef::new(BodyKind::Driven, first.root);
+    let ids = add(world, scene.figure, &body, &scene.options)?;
     lead(world, &ids, scene, 0, &first)?;
     for &chain in &ids.chains {
         let angles = world.target_angles(chain);
