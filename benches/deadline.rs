@@ -10,7 +10,6 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion};
-use palpable::frame::CostTable;
 use palpable_lab::deadline::{DEADLINES_US, Kit, Trial, calibrate, play};
 use palpable_lab::hand::Hand;
 
@@ -20,7 +19,6 @@ const CALIBRATED: u32 = 100;
 fn main() {
     let kit = Kit::new(Hand::load().expect("the hand is in a package"));
     let found = calibrate(&kit, CALIBRATED, || ()).expect("the trials can be played");
-    let costs = CostTable::from(found.prices);
     let mut criterion = Criterion::default()
         .sample_size(10)
         .warm_up_time(Duration::from_millis(200))
@@ -33,7 +31,7 @@ fn main() {
             group.bench_function(BenchmarkId::from_parameter(name), |bencher| {
                 bencher.iter_custom(|frames| {
                     let frames = black_box(frames as u32);
-                    play::time(&kit, trial, frames, deadline_us, &costs).expect("it plays")
+                    play::time(&kit, trial, frames, deadline_us, &found.prices).expect("it plays")
                 });
             });
         }

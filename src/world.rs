@@ -204,8 +204,8 @@ impl<'a> World<'a> {
     /// Steps the world by one frame with a clock as a backstop: it is asked before all units, and none are
     /// begun that would not be over before `ends_ns`, in the clock's nanoseconds, by the prices of the input's
     /// deadline; without prices they take no time. Closing the frame comes after that and is part of its floor:
-    /// the end is best set by [`World::floor_ns`] before the frame is to be over. Where the clock cuts, the report
-    /// says [`FrameReport::LATE`], and stepping with [`FrameReport::spent`] as the budget gives the same bits.
+    /// the end is best set by [`World::floor_ns`] before the frame is to be over, and by what an interrupt takes, which
+    /// the lab's `calibrate` measures too. Where the clock cuts, the report says [`FrameReport::LATE`], and stepping with [`FrameReport::spent`] as the budget gives the same bits.
     ///
     /// A recording has such a frame as one with that budget, written when it is over.
     pub fn step_by_clock(

@@ -2225,9 +2225,9 @@ palp_status palp_frame_step(struct palp_world *world,
 /**
  * Like `palp_frame_step`, with a clock as a backstop: no units are begun that would not be over before
  * `ends_ns` by it and by the prices of the input's costs; without prices they take no time. Closing the frame
- * comes after that: `ends_ns` is best set by `palp_frame_floor` before the frame is to be over. Where the
- * clock cuts, the report says `PALP_FRAME_LATE`, and stepping with the report's units and no deadline gives the
- * same bits.
+ * comes after that: `ends_ns` is best set by `palp_frame_floor` before the frame is to be over, and by
+ * what an interrupt takes. Where the clock cuts, the report says `PALP_FRAME_LATE`, and stepping with the report's
+ * units and no deadline gives the same bits.
  */
 palp_status palp_frame_step_by_clock(struct palp_world *world,
                                      const struct palp_frame_input *input,

@@ -5,6 +5,7 @@ pub mod costs;
 pub mod errors;
 mod figure;
 pub mod local;
+mod pauses;
 pub mod play;
 pub mod set;
 pub mod stopwatch;
@@ -14,7 +15,6 @@ pub mod trials;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use palpable::frame::CostTable;
 use serde::Serialize;
 
 pub use costs::{Calibration, Prices, calibrate};
@@ -47,15 +47,14 @@ pub fn run(
     prices: Prices,
     mut tick: impl FnMut(&Outcome),
 ) -> Result<Vec<Outcome>, SceneError> {
-    let costs = CostTable::from(prices);
     let mut outcomes = Vec::new();
     for &trial in trials {
-        let mut trace = play::Trace::sampled_at(&DEADLINES_US, &costs);
-        let whole = play::play(kit, trial, frames, None, &costs, &mut trace)?;
+        let mut trace = play::Trace::sampled_at(&DEADLINES_US, &prices);
+        let whole = play::play(kit, trial, frames, None, &prices, &mut trace)?;
         tick(&whole);
         outcomes.push(whole);
         for (deadline_us, local_errors) in DEADLINES_US.into_iter().zip(trace.take_local_errors()) {
-            let cut = play::play_undisturbed(kit, trial, frames, deadline_us, &costs, &mut trace)?;
+            let cut = play::play_undisturbed(kit, trial, frames, deadline_us, &prices, &mut trace)?;
             tick(&cut);
             outcomes.push(Outcome {
                 local_errors,

@@ -473,7 +473,7 @@ fn figures(
 /// Measures this machine's prices and writes them down.
 fn calibrated(frames: u32, out: &Path) -> Result<Prices, Box<dyn std::error::Error>> {
     let kit = Kit::new(Hand::load()?);
-    let bar = progress(1 + Trial::ALL.len() as u64, "parts of the calibration")?;
+    let bar = progress(2 + Trial::ALL.len() as u64, "parts of the calibration")?;
     let found = deadline::calibrate(&kit, frames, || bar.inc(1))?;
     bar.finish_and_clear();
     println!(

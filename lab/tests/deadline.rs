@@ -1,6 +1,6 @@
 //! The adversarial scenes at deadlines: what must hold whatever the machine and its load.
 
-use palpable::frame::{Budget, CostTable, FrameInput};
+use palpable::frame::{Budget, FrameInput};
 use palpable::math::Pose;
 use palpable::memory::Capacities;
 use palpable::state::bodies::BodyKind;
@@ -8,7 +8,7 @@ use palpable::world::{BodyDef, PieceDef, Shape, World};
 use palpable_lab::deadline::local::{HORIZONS, SAMPLED_EVERY, Sampler};
 use palpable_lab::deadline::play::{Trace, play};
 use palpable_lab::deadline::set::Cast;
-use palpable_lab::deadline::{Kit, Trial};
+use palpable_lab::deadline::{Kit, Prices, Trial};
 use palpable_lab::hand::Hand;
 use palpable_lab::hand_scene::SceneError;
 use palpable_lab::memory::Block;
@@ -16,7 +16,7 @@ use palpable_lab::memory::Block;
 const FRAMES: u32 = 60;
 
 /// About what a desktop takes.
-const COSTS: CostTable = CostTable {
+const PRICES: Prices = Prices {
     frame_ns: 2000,
     body_ns: 100,
     piece_ns: 50,
@@ -25,6 +25,7 @@ const COSTS: CostTable = CostTable {
     advance_unit_ns: 1500,
     impulse_unit_ns: 1500,
     reach_step_ns: 5000,
+    pauses_ns: 20_000,
 };
 
 #[test]
@@ -32,11 +33,11 @@ fn no_deadline_brings_a_hand_into_anything_and_what_missed_is_replayed_to_the_bi
     let kit = Kit::new(Hand::load().unwrap());
     for trial in Trial::ALL {
         let mut trace = Trace::default();
-        let whole = play(&kit, trial, FRAMES, None, &COSTS, &mut trace).unwrap();
+        let whole = play(&kit, trial, FRAMES, None, &PRICES, &mut trace).unwrap();
         assert_eq!((whole.misses_cpu, whole.run_error.mean_mm), (0, 0.0));
         // A frame that does anything misses one microsecond, and then the run is replayed.
         for deadline_us in [1, 40, 400] {
-            let at = play(&kit, trial, FRAMES, Some(deadline_us), &COSTS, &mut trace).unwrap();
+            let at = play(&kit, trial, FRAMES, Some(deadline_us), &PRICES, &mut trace).unwrap();
             let name = at.trial;
             assert_eq!(at.frames, FRAMES, "{name}");
             assert!(at.judged > 0 && at.violations == 0, "{name}: {at:?}");

@@ -4,7 +4,10 @@
 //! say how long so many units took. The prices are fitted to them from above: least squares in which a
 //! frame that costs more than its price weighs as much as thirty that cost less (the expectiles of Newey
 //! and Powell 1987), none below zero; then all are raised by what the worst frames cost more, and a margin.
-//! The result is a measured worst case, not a guarantee.
+//! The result is a measured worst case, not a guarantee. What the machine takes from frames beside is measured on its
+//! own, for the clock behind the prices.
+
+use std::time::Duration;
 
 use glam::Vec3;
 use palpable::frame::{Budget, Census, CostTable, FrameInput};
@@ -16,6 +19,7 @@ use palpable::state::chains::ChainOptions;
 use palpable::world::{BodyDef, ChainDef, PieceDef, Shape, World};
 use serde::{Deserialize, Serialize};
 
+use super::pauses;
 use super::stopwatch::{Eviction, timed};
 use super::trials::{Kit, RATE_HZ, Trial};
 use crate::hand_scene::SceneError;
@@ -31,7 +35,7 @@ const LEFT_OUT: usize = 200;
 /// Every so many frames the caches are emptied.
 const COLD_EVERY: u32 = 2;
 
-/// A cost table as it is written to a file.
+/// A cost table as it is written to a file, and what is to be kept from the clock behind it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Prices {
     /// Fields as in [`CostTable`].
@@ -50,6 +54,8 @@ pub struct Prices {
     pub impulse_unit_ns: u32,
     /// See `frame_ns`.
     pub reach_step_ns: u32,
+    /// How long before a deadline the clock behind the prices is to be over, see [`pauses::margin_ns`].
+    pub pauses_ns: u32,
 }
 
 impl From<Prices> for CostTable {
@@ -74,6 +80,9 @@ struct Frame {
     census: Census,
     spent: Budget,
 }
+
+/// For each frame of a trial pauses are looked for as long as this.
+const WATCHED_FOR_EACH: Duration = Duration::from_micros(2500);
 
 /// What was found.
 #[derive(Clone, Copy, Debug)]
@@ -329,6 +338,8 @@ pub fn calibrate(kit: &Kit, count: u32, mut tick: impl FnMut()) -> Result<Calibr
         frames.extend(trial_frames(kit, trial, count)?);
         tick();
     }
+    let pauses_ns = pauses::margin_ns(WATCHED_FOR_EACH * count);
+    tick();
     let prices = fit(&frames);
     let over = |frame: &Frame| frame.cpu_ns / priced(&prices, &frame.counts()).max(1.0);
     let tight = frames.iter().filter(|frame| frame.cpu_ns < LONG_NS);
@@ -344,6 +355,7 @@ pub fn calibrate(kit: &Kit, count: u32, mut tick: impl FnMut()) -> Result<Calibr
             advance_unit_ns: ns[5],
             impulse_unit_ns: ns[6],
             reach_step_ns: ns[7],
+            pauses_ns,
         },
         raised,
         frames: frames.len(),

@@ -10,6 +10,7 @@ use palpable::limits::OVERLAP_SLOP_M;
 use palpable::world::World;
 use serde::Serialize;
 
+use super::costs::Prices;
 use super::errors::{Distances, LocalError};
 use super::local::Sampler;
 use super::set::{Cast, FIXED};
@@ -24,11 +25,8 @@ pub const DEADLINES_US: [u32; 5] = [50, 100, 250, 500, 1000];
 /// Every so many frames the driven pieces are judged in f64.
 pub const JUDGED_EVERY: u32 = 50;
 
-/// What is kept of a deadline for what the machine does beside us: about an interrupt, in nanoseconds, ...
-const INTERRUPT_NS: u64 = 10_000;
-
-/// ... and one part in so many.
-const CLOCK_MARGIN: u64 = 32;
+/// What is kept from the clock for pauses of the machine is at most one part of a deadline in so many.
+const PAUSES_MOST: u64 = 3;
 
 /// Frames at the start that are not counted: a first frame finds nothing in the caches and everything new.
 const UNCOUNTED: u32 = 10;
@@ -142,8 +140,8 @@ impl Trace {
     /// For local errors at these deadlines, in microseconds. They are sampled by prices alone, with no
     /// clock, so that they are the same whatever else the machine does.
     #[must_use]
-    pub fn sampled_at(deadlines_us: &[u32], costs: &CostTable) -> Self {
-        let inputs = deadlines_us.iter().map(|&us| input(Some(us), costs));
+    pub fn sampled_at(deadlines_us: &[u32], prices: &Prices) -> Self {
+        let inputs = deadlines_us.iter().map(|&us| input(Some(us), prices));
         Self {
             sampler: Sampler::new(inputs),
             ..Self::default()
@@ -182,10 +180,10 @@ pub fn play(
     trial: Trial,
     frames: u32,
     deadline_us: Option<u32>,
-    costs: &CostTable,
+    prices: &Prices,
     trace: &mut Trace,
 ) -> Result<Outcome, SceneError> {
-    let input = input(deadline_us, costs);
+    let input = input(deadline_us, prices);
     let mut counts = Counts::new(frames);
     let beside = Loop::measured();
     if deadline_us.is_none() {
@@ -198,7 +196,7 @@ pub fn play(
                 trace.sampler.branch(world, cast, frame, tell)?;
             }
             kit.tell(trial, world, cast, frame)?;
-            let (report, taken) = step(world, &input, deadline_us, costs);
+            let (report, taken) = step(world, &input, deadline_us, prices);
             if deadline_us.is_none() {
                 trace.sampler.compare(world, cast, frame)?;
             }
@@ -235,12 +233,12 @@ pub fn play_undisturbed(
     trial: Trial,
     frames: u32,
     deadline_us: u32,
-    costs: &CostTable,
+    prices: &Prices,
     trace: &mut Trace,
 ) -> Result<Outcome, SceneError> {
     let mut disturbed = Vec::new();
     loop {
-        let outcome = play(kit, trial, frames, Some(deadline_us), costs, trace)?;
+        let outcome = play(kit, trial, frames, Some(deadline_us), prices, trace)?;
         let is_disturbed = outcome.misses_loop > outcome.frames / DISTURBED_ONE_IN;
         if !is_disturbed || disturbed.len() == DISTURBED_MAX {
             return Ok(Outcome {
@@ -293,14 +291,14 @@ pub fn time(
     trial: Trial,
     frames: u32,
     deadline_us: Option<u32>,
-    costs: &CostTable,
+    prices: &Prices,
 ) -> Result<Duration, SceneError> {
-    let input = input(deadline_us, costs);
+    let input = input(deadline_us, prices);
     let mut cpu_ns = 0;
     kit.stage(trial, |world, cast, _| {
         for frame in 0..frames + UNCOUNTED {
             kit.tell(trial, world, cast, frame)?;
-            let (_, taken) = step(world, &input, deadline_us, costs);
+            let (_, taken) = step(world, &input, deadline_us, prices);
             cpu_ns += if frame < UNCOUNTED { 0 } else { taken.cpu_ns };
         }
         Ok(())
@@ -308,51 +306,51 @@ pub fn time(
     Ok(Duration::from_nanos(cpu_ns))
 }
 
-/// One frame, by its prices and by the wall's clock, which is over a little before the deadline: an interrupt after the
-/// last look at it is not to be too much.
+/// One frame, by its prices and by the wall's clock, which is over a little before the deadline: a pause of the machine
+/// after the last look at it is not to be too much.
 fn step(
     world: &mut World,
     input: &FrameInput,
     deadline_us: Option<u32>,
-    costs: &CostTable,
+    prices: &Prices,
 ) -> (FrameReport, Taken) {
     let Some(us) = deadline_us else {
         return timed(|| world.step(input));
     };
     let ends_ns = u64::from(us) * 1000;
-    let floor_ns = world.floor_ns(costs);
+    let floor_ns = world.floor_ns(&CostTable::from(*prices));
     timed(|| {
         let begun = Instant::now();
         let clock = || begun.elapsed().as_nanos() as u64;
         world.step_by_clock(
             input,
             &clock,
-            clock_ends_ns(ends_ns).saturating_sub(floor_ns),
+            clock_ends_ns(ends_ns, prices).saturating_sub(floor_ns),
         )
     })
 }
 
 /// When a frame with a deadline is to be over by the clock.
-const fn clock_ends_ns(deadline_ns: u64) -> u64 {
-    (deadline_ns - deadline_ns / CLOCK_MARGIN).saturating_sub(INTERRUPT_NS)
+fn clock_ends_ns(deadline_ns: u64, prices: &Prices) -> u64 {
+    deadline_ns - u64::from(prices.pauses_ns).min(deadline_ns / PAUSES_MOST)
 }
 
-fn input(deadline_us: Option<u32>, costs: &CostTable) -> FrameInput {
-    let dt_s = 1.0 / RATE_HZ;
+fn input(deadline_us: Option<u32>, prices: &Prices) -> FrameInput {
+    let (dt_s, costs) = (1.0 / RATE_HZ, CostTable::from(*prices));
     match deadline_us {
         // Priced all the same, so that the report tells what the frame cost.
         None => FrameInput::within(
             dt_s,
             Deadline {
                 time_ns: 1 << 50,
-                costs: *costs,
+                costs,
             },
         ),
         Some(us) => FrameInput::within(
             dt_s,
             Deadline {
                 time_ns: u64::from(us) * 1000,
-                costs: *costs,
+                costs,
             },
         ),
     }

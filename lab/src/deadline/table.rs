@@ -181,6 +181,7 @@ pub fn of_prices(prices: &Prices, found: Option<&Calibration>) -> String {
         ("advance unit", prices.advance_unit_ns),
         ("impulse unit", prices.impulse_unit_ns),
         ("reach step", prices.reach_step_ns),
+        ("kept from the clock for pauses", prices.pauses_ns),
     ] {
         table.add_row([Cell::new(what), right(ns)]);
     }
