@@ -5,7 +5,7 @@ pub mod costs;
 pub mod errors;
 mod figure;
 pub mod local;
-mod pauses;
+pub mod pauses;
 pub mod play;
 pub mod set;
 pub mod stopwatch;
