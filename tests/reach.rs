@@ -232,6 +232,66 @@ fn what_touches_nothing_costs_nothing() {
     assert_eq!(angles, wanted);
 }
 
+/// A push that no joint can answer does not keep the joints from their tracked angles, nor from other pushes.
+#[test]
+fn what_cannot_be_met_keeps_no_joint_from_what_can() {
+    let hinges = planar(-2.0, 2.0);
+    let wanted = [0.5, -0.3];
+    let tip = Vec3::X * 0.26;
+    let goal = |link: usize, normal: Vec3, height_m: f32| Goal {
+        link,
+        point: tip,
+        normal,
+        height_m,
+        is_exact: false,
+        softness: 0.0,
+    };
+    // Across the plane in which the links turn.
+    for short_m in [1e-5, 1e-3, 3e-2] {
+        let aside = goal(1, Vec3::Z, short_m);
+        let mut angles = [0.0, 0.0];
+        let found = least_deviation_following(&task(&hinges, &wanted, &[aside]), &mut angles, 10);
+        assert!((found.missed_m - short_m).abs() < 1e-6, "{found:?}");
+        assert!(found.steps <= 4, "{found:?}");
+        assert_eq!(angles, wanted, "{short_m}");
+
+        let push = goal(1, Vec3::Y, 0.25);
+        let mut alone = [0.0, 0.0];
+        let one = least_deviation_following(&task(&hinges, &wanted, &[push]), &mut alone, 20);
+        assert!(
+            one.missed_m <= TOLERANCE_M && alone[0] > wanted[0],
+            "{alone:?}"
+        );
+        let mut both = [0.0, 0.0];
+        let goals = [push, aside];
+        let found = least_deviation_following(&task(&hinges, &wanted, &goals), &mut both, 20);
+        assert!((found.missed_m - short_m).abs() < 1e-6 || short_m < TOLERANCE_M);
+        let height_m = hinges_tip_y(&hinges, &both);
+        assert!(height_m > 0.25 - 1.1 * TOLERANCE_M, "{height_m}");
+        let off: f32 = alone.iter().zip(both).map(|(a, b)| (a - b).abs()).sum();
+        assert!(off < 1e-2, "{alone:?} {both:?}");
+    }
+    // The first hinge is at its end, the second one is free.
+    let stiff = [hinge(Vec3::ZERO, Vec3::Z, -0.1, 0.0), hinges[1]];
+    let push = Goal {
+        point: Vec3::X * 0.3,
+        ..goal(0, Vec3::Y, 0.01)
+    };
+    let mut angles = [-0.05, 0.0];
+    let found = least_deviation_following(&task(&stiff, &[-0.05, 0.4], &[push]), &mut angles, 10);
+    let slack_rad = TOLERANCE_M / 0.3;
+    assert!(angles[0].abs() < slack_rad, "{angles:?} {found:?}");
+    assert!((angles[1] - 0.4).abs() < 1e-3, "{angles:?} {found:?}");
+    assert!((found.missed_m - 0.01).abs() < TOLERANCE_M, "{found:?}");
+}
+
+fn hinges_tip_y(hinges: &[Hinge], angles: &[f32]) -> f32 {
+    posture(hinges, &Pose::IDENTITY, angles)[1]
+        .link
+        .point(Vec3::X * 0.26)
+        .y
+}
+
 #[test]
 fn out_of_reach_limits_hold_and_nothing_oscillates() {
     let hinges = arm();

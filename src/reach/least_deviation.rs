@@ -23,10 +23,12 @@
 //! and out of reach. It is damped more when a step fails (Levenberg 1944). Where exact goals still are
 //! not met it begins again from the middle of the ranges and from fixed postures, [`RESTARTS_MAX`]
 //! times. The nearest posture is kept. Pushes, which any frame may ask for, are not restarted: they
-//! would make a chain jump.
+//! would make a chain jump. Those that no joint can answer, since none moves their point or all that do are at their
+//! limits, are missed, and the others and the tracked angles are gone on to.
 
 mod alone;
 mod climb;
+mod eased;
 mod metric;
 mod program;
 mod relaxed;
@@ -42,6 +44,7 @@ use crate::geometry::chain::Posture;
 use crate::limits::{CHAIN_GOALS_MAX, CHAIN_HINGES_MAX};
 use crate::math;
 use alone::turned_alone;
+use eased::eased;
 use program::{NARROW, Program};
 use spot::Spot;
 
@@ -50,6 +53,9 @@ const TURN_MAX: f32 = 0.7;
 
 /// A step that would turn no joint by more than this ends the search, in radians.
 const TURN_MIN: f32 = 1e-4;
+
+/// Of a step toward missed goals that would turn no joint by more than this rounding is left, in radians.
+const TURN_NONE: f32 = 1e-6;
 
 /// What a Newton step that turns no joint by more than this leaves to be turned is about its square, less
 /// than what ends the search.
@@ -174,6 +180,7 @@ fn search(
         if restart > 0 && !spots.here.is_met {
             used += descend(task, &mut spots, steps - used, true, manner, pay);
         }
+        used += pass_by(task, &mut spots, steps - used, manner, pay);
     }
     for (angle, &found) in angles.iter_mut().zip(&spots.here.q) {
         *angle = found;
@@ -183,6 +190,31 @@ fn search(
         missed_m: spots.here.missed_m,
     };
     (reached, spots.here.placed.clone())
+}
+
+/// Goes on to the least deviation where pushes that are missed are those that no joint can answer: they are not to keep
+/// the joints from where they are wanted.
+fn pass_by(
+    task: &Task,
+    spots: &mut Spots,
+    steps: u32,
+    manner: Manner,
+    pay: &mut dyn FnMut() -> bool,
+) -> u32 {
+    if spots.here.is_met || spots.here.is_soft {
+        return 0;
+    }
+    let Some(goals) = eased(task, spots.here) else {
+        return 0;
+    };
+    let others = Task {
+        goals: &goals,
+        ..*task
+    };
+    spots.here.measure(&others);
+    let used = descend(&others, spots, steps, false, manner, pay);
+    spots.here.measure(task);
+    used
 }
 
 /// Where a search is and goes. Spots are long: they change places and are not moved.
@@ -231,7 +263,9 @@ fn descend(
             Ok(step) => step,
             Err(turned) => {
                 let is_far = is_soft && turned > TURN_SURE;
-                if (was_met && !is_far) || damping >= DAMPING_MAX {
+                // More damping makes a short step shorter.
+                let is_short = restores && turned <= TURN_NONE;
+                if (was_met && !is_far) || is_short || damping >= DAMPING_MAX {
                     break;
                 }
                 damping = math::max(damping * DAMPING_FACTOR, DAMPING_RAISED);

@@ -34,6 +34,9 @@ const BLOCK_PASSES: u32 = 4;
 /// A row or joint that is wrong by no more than this is right, in radians.
 const WRONG_MIN: f64 = 1e-9;
 
+/// A push whose point no joint moves by a micrometre a radian, squared: it is not asked for, since no force is enough.
+pub(super) const UNMOVED: f64 = 1e-12;
+
 /// Most rows: goals, and two edges of each ball's cone.
 const ROWS_MAX: usize = CHAIN_GOALS_MAX + 2 * CHAIN_BALLS_MAX;
 
@@ -191,7 +194,11 @@ impl<const W: usize> Program<W> {
                     continue;
                 }
                 let softness = if goal.is_hard() { 0.0 } else { goal.softness };
-                let line = Line::new(row, -f64::from(above_m), goal.is_exact, f64::from(softness));
+                let mut line =
+                    Line::new(row, -f64::from(above_m), goal.is_exact, f64::from(softness));
+                if line.stiffness < UNMOVED && !goal.is_exact {
+                    line.need = f64::NEG_INFINITY;
+                }
                 if goal.is_hard() {
                     largest = math::max_f64(line.stiffness, largest);
                 }

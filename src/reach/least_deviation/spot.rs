@@ -56,7 +56,8 @@ impl Spot {
         self.measure(task);
     }
 
-    fn measure(&mut self, task: &Task) {
+    /// Says what the spot is worth for a task.
+    pub(super) fn measure(&mut self, task: &Task) {
         let (mut most, mut squares, mut sum) = (0.0, 0.0, 0.0);
         let mut cost = task.deviation(&self.q);
         let mut is_soft = false;
