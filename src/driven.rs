@@ -9,6 +9,7 @@ mod cones;
 mod followers;
 mod line;
 mod settled;
+mod snap;
 
 pub(crate) use cones::stop_within_cones;
 
@@ -23,7 +24,7 @@ use crate::limits::{
 use crate::math::{self, Pose};
 use crate::reach::{self, Hold, Plan};
 use crate::state::State;
-use crate::state::bodies::{BodyKind, Coupling, Displacement, DrivenReport, is_loose};
+use crate::state::bodies::{BodyKind, DrivenReport, is_loose};
 use crate::state::chains::{
     ChainReport, End, chains_of, has_chains, joints_of, next_chain, place_links, slot_range,
 };
@@ -36,6 +37,7 @@ use crate::state::purse::Purse;
 use crate::state::ways::{Leg, Position, comes_to, driven_at, in_world, piece_pose, track};
 use crate::{advance, contacts, pairs};
 use line::Line;
+use snap::snap;
 
 /// Moves every driven body as far as its way is clear. Spends at most the spending's units, one for each
 /// distance query, and its steps, one for each of a chain's solver.
@@ -260,45 +262,6 @@ fn frame_flags(flags: u32) -> u32 {
         | says(DrivenReport::OVERLAPS, FrameReport::OVERLAP)
 }
 
-/// Puts a detached body at its tracker when its coupling says so and nothing is in the way there, nor may come
-/// there within the frame: a body that is put somewhere cannot be stopped on its way.
-fn snap(state: &mut State, body: usize, dt_s: f32, purse: &mut Purse) -> Option<u32> {
-    let coupling = state.bodies.coupling[body];
-    let away = math::length(state.bodies.displacement[body].offset);
-    if coupling.snap != Coupling::SNAP_WHEN_FREE || away <= coupling.divergence_m {
-        return None;
-    }
-    // Every other turn of a body that waits goes without the look there, which may always be too much.
-    if state.bodies.waiting[body].turns % 2 == 1 {
-        return None;
-    }
-    let target = Position {
-        root: state.bodies.tracker[body].target,
-        local: 1.0,
-        leg: 0,
-        share: 1.0,
-    };
-    if has_chains(state, body) {
-        reach::propose(state, body, 0);
-    }
-    let count = pairs::collect_driven(state, body, &track(&target, &target)).ok()?;
-    let measured = contacts::measure_touching(state, count, &target, purse);
-    let free = measured
-        && !contacts::touches_any(state, count)
-        && !loose::may_come(state, &state.legs.whole[body], dt_s);
-    if !free {
-        return None;
-    }
-    state.bodies.displacement[body] = Displacement::default();
-    state.legs.wanted[body] = target.root;
-    let here = Position {
-        share: 0.0,
-        ..target
-    };
-    push_leg(state, body, &here, &target, 1.0, 1.0);
-    Some(0)
-}
-
 /// Plans and walks the legs of one body's way; the flags to report.
 fn go(state: &mut State, body: usize, dt_s: f32, purses: &mut Purses) -> u32 {
     clear_chain_reports(state, body);
@@ -318,8 +281,8 @@ fn go(state: &mut State, body: usize, dt_s: f32, purses: &mut Purses) -> u32 {
     if rests && state.registers.disturbed == 0 {
         return 0;
     }
-    if let Some(flags) = snap(state, body, dt_s, &mut purses.units) {
-        return flags;
+    if snap(state, body, dt_s, &mut purses.units) {
+        return 0;
     }
     match walk(state, body, start, wanted, true, purses) {
         Ok(flags) => flags,
@@ -351,25 +314,12 @@ fn walk(
     overlaps: bool,
     purses: &mut Purses,
 ) -> Result<u32, PairsFull> {
-    if has_chains(state, body) {
-        reach::propose(state, body, 0);
-    }
-    let pairs = pairs::collect_driven(state, body, &track(&start, &wanted))?;
+    let pairs = look_along(state, body, &start, &wanted)?;
     if pairs == 0 {
         push_leg(state, body, &start, &wanted, 1.0, 1.0);
         return Ok(0);
     }
-    let mut walk = Walk {
-        body,
-        at: start,
-        wanted,
-        pairs,
-        covered: Cover::between(&start, &wanted),
-        flags: 0,
-        hold: Hold::default(),
-        resumes: false,
-        defers: false,
-    };
+    let mut walk = Walk::new(body, start, wanted, pairs);
     walk.resume(state, &mut purses.units);
     if overlaps {
         walk.leave_overlap(state, &mut purses.units)?;
@@ -386,6 +336,19 @@ fn walk(
         walk.flags |= DrivenReport::CONTACTS_FULL;
     }
     Ok(walk.flags | held(state, body))
+}
+
+/// Collects the pairs of a body's way, its chains going from their angles to the wanted ones.
+fn look_along(
+    state: &mut State,
+    body: usize,
+    from: &Position,
+    to: &Position,
+) -> Result<usize, PairsFull> {
+    if has_chains(state, body) {
+        reach::propose(state, body, 0);
+    }
+    pairs::collect_driven(state, body, &track(from, to))
 }
 
 /// A body on its way.
@@ -412,6 +375,20 @@ enum Next {
 }
 
 impl Walk {
+    fn new(body: usize, at: Position, wanted: Position, pairs: usize) -> Self {
+        Self {
+            body,
+            at,
+            wanted,
+            pairs,
+            covered: Cover::between(&at, &wanted),
+            flags: 0,
+            hold: Hold::default(),
+            resumes: false,
+            defers: false,
+        }
+    }
+
     /// Goes on from what the frame before knew of the gaps, when it was cut.
     fn resume(&mut self, state: &mut State, purse: &mut Purse) {
         if state.looks.count[self.body] == 0 {

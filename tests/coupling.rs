@@ -237,7 +237,7 @@ fn springs_that_cannot_be_integrated_are_not_valid() {
         assert!(!c.is_valid());
     }
     let c = Coupling {
-        snap: 2,
+        snap: 3,
         ..Coupling::DEFAULT
     };
     assert!(!c.is_valid());

@@ -1,14 +1,14 @@
-//! Overlap that the host makes, and bodies that are held far from their trackers.
+//! Overlap that the host makes.
 
 mod common;
 
-use common::{Block, add_box, add_piece};
+use common::{Block, add_box};
 use palpable::frame::{Budget, FrameInput, FrameReport};
-use palpable::limits::{GAP_TOUCHING_M, OVERLAP_SLOP_M, WAY_OUT_PAIR_UNITS, WAY_OUT_UNITS};
+use palpable::limits::{OVERLAP_SLOP_M, WAY_OUT_PAIR_UNITS, WAY_OUT_UNITS};
 use palpable::math::Pose;
 use palpable::memory::{BodyId, Capacities};
-use palpable::state::bodies::{BodyKind, Coupling, DrivenReport};
-use palpable::world::{BodyDef, PieceDef, Shape, World};
+use palpable::state::bodies::{BodyKind, DrivenReport};
+use palpable::world::World;
 
 const FRAME_S: f32 = 1.0 / 90.0;
 
@@ -47,54 +47,6 @@ fn a_body_spawned_in_the_floor_and_a_wall_gets_out_of_both() {
         let report = step(&mut world, hand, &spawned);
         assert_eq!(report.flags & FrameReport::OVERLAP, 0);
     }
-}
-
-/// A hand on the near side of a plate, its tracker half a metre behind it.
-fn held_behind_a_plate(snap: u32, behind: &Pose) -> (Pose, u32) {
-    let mut block = Block::new(&Capacities::ROOM);
-    let mut world = World::create(block.bytes(), &Capacities::ROOM).unwrap();
-    let plate = Pose::at(0.2, 0.0, 0.0);
-    add_box(&mut world, BodyKind::Fixed, plate, [0.01, 2.0, 2.0]);
-    let far = Pose::at(1.2, 0.0, 0.0);
-    add_box(&mut world, BodyKind::Fixed, far, [0.01, 2.0, 2.0]);
-    let def = BodyDef {
-        coupling: Coupling {
-            snap,
-            ..Coupling::DEFAULT
-        },
-        ..BodyDef::new(BodyKind::Driven, Pose::IDENTITY)
-    };
-    let hand = world.add_body(&def).unwrap();
-    add_piece(&mut world, hand, &PieceDef::new(Shape::Point, 0.05));
-    for _ in 0..60 {
-        step(&mut world, hand, behind);
-    }
-    (
-        world.pose(hand).unwrap(),
-        world.driven_report(hand).unwrap().flags,
-    )
-}
-
-#[test]
-fn a_detached_body_stays_and_is_reported_unless_it_may_snap() {
-    let behind = Pose::at(0.7, 0.0, 0.0);
-    let (pose, flags) = held_behind_a_plate(Coupling::SNAP_NEVER, &behind);
-    let gap = 0.19 - (pose.position[0] + 0.05);
-    assert!((0.0..=GAP_TOUCHING_M).contains(&gap), "{gap}");
-    assert_ne!(flags & DrivenReport::DETACHED, 0);
-
-    let (pose, flags) = held_behind_a_plate(Coupling::SNAP_WHEN_FREE, &behind);
-    assert_eq!(pose, behind);
-    assert_eq!(flags & DrivenReport::DETACHED, 0);
-}
-
-#[test]
-fn a_detached_body_does_not_snap_into_anything() {
-    // The tracker is in the far plate.
-    let inside = Pose::at(1.17, 0.0, 0.0);
-    let (pose, flags) = held_behind_a_plate(Coupling::SNAP_WHEN_FREE, &inside);
-    assert!(pose.position[0] + 0.05 < 0.19);
-    assert_ne!(flags & DrivenReport::DETACHED, 0);
 }
 
 #[test]

@@ -174,6 +174,12 @@
 #define PALP_SNAP_WHEN_FREE 1
 
 /**
+ * A detached body jumps to the place nearest to its tracker where nothing is in the way, as soon as there is one within
+ * half of `divergence_m`: one that stands on a floor, or whose tracker is in a table top, does so too.
+ */
+#define PALP_SNAP_NEAR 2
+
+/**
  * The body pushes what is free as if it had no end of mass: without lag.
  */
 #define PALP_PUSH_WITHOUT_LAG 0
@@ -622,7 +628,7 @@ typedef struct palp_coupling {
      */
     float divergence_m;
     /**
-     * What happens then: `PALP_SNAP_NEVER` or `PALP_SNAP_WHEN_FREE`.
+     * What happens then: `PALP_SNAP_NEVER`, `PALP_SNAP_WHEN_FREE` or `PALP_SNAP_NEAR`.
      */
     uint32_t snap;
     /**

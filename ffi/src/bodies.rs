@@ -49,7 +49,7 @@ fn body_def(def: &palp_body_def) -> Result<BodyDef, palp_status> {
         _ => return Err(PALP_BAD_ENUM),
     };
     let spring = &def.coupling;
-    let known = spring.snap <= Coupling::SNAP_WHEN_FREE && spring.push <= Coupling::PUSH_WITH_MASS;
+    let known = spring.snap <= Coupling::SNAP_NEAR && spring.push <= Coupling::PUSH_WITH_MASS;
     if kind == BodyKind::Driven && !known {
         return Err(PALP_BAD_ENUM);
     }

@@ -123,6 +123,9 @@ pub const PALP_KIND_HOSTED: u32 = 4;
 pub const PALP_SNAP_NEVER: u32 = 0;
 /// A detached body jumps to its tracker as soon as nothing is in the way there.
 pub const PALP_SNAP_WHEN_FREE: u32 = 1;
+/// A detached body jumps to the place nearest to its tracker where nothing is in the way, as soon as there is one within
+/// half of `divergence_m`: one that stands on a floor, or whose tracker is in a table top, does so too.
+pub const PALP_SNAP_NEAR: u32 = 2;
 
 /// The body pushes what is free as if it had no end of mass: without lag.
 pub const PALP_PUSH_WITHOUT_LAG: u32 = 0;
@@ -142,7 +145,7 @@ pub struct palp_coupling {
     pub damping_n_s_per_m: f32,
     /// How far body and tracker may be apart before the body counts as detached, in metres, above 0.
     pub divergence_m: f32,
-    /// What happens then: `PALP_SNAP_NEVER` or `PALP_SNAP_WHEN_FREE`.
+    /// What happens then: `PALP_SNAP_NEVER`, `PALP_SNAP_WHEN_FREE` or `PALP_SNAP_NEAR`.
     pub snap: u32,
     /// How long a lost tracker's last target is kept before the body counts as lost, in seconds.
     pub grace_s: f32,
@@ -777,6 +780,7 @@ const _: () = {
     assert!(PALP_EVENT_END == ContactEvent::END);
     assert!(PALP_SNAP_NEVER == Coupling::SNAP_NEVER);
     assert!(PALP_SNAP_WHEN_FREE == Coupling::SNAP_WHEN_FREE);
+    assert!(PALP_SNAP_NEAR == Coupling::SNAP_NEAR);
     assert!(PALP_MATERIAL_WOOD == Material::WOOD.0);
     assert!(PALP_MATERIAL_HUMAN == Material::HUMAN.0);
     assert!(PALP_MATERIAL_METAL == Material::METAL.0);

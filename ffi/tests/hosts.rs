@@ -83,6 +83,20 @@ fn two_palms_hold_a_box_in_c_and_cpp() {
 }
 
 #[test]
+fn a_hand_far_from_its_tracker_in_c_and_cpp() {
+    let mut told = Vec::new();
+    for program in linked_in_every_way("c/detached.c") {
+        let printed = Command::new(program).run_clean();
+        eprint!("{printed}");
+        for line in ["never: held", "when free: held", "near: snapped, 30."] {
+            assert!(printed.contains(line), "{printed}");
+        }
+        told.push(printed);
+    }
+    assert!(told.iter().all(|printed| *printed == told[0]));
+}
+
+#[test]
 fn an_engine_of_the_hosts_own_in_c_and_cpp() {
     let expected = hash_line(engine::engine());
     for program in linked_in_every_way("c/engine.c") {

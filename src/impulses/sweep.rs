@@ -58,7 +58,7 @@ pub(super) fn begin(state: &mut State, island: u32, purse: &mut Purse) -> bool {
 }
 
 /// A box around a driven piece's whole way through the frame. A leg begins where the one before it ended, and the
-/// first one where the piece is, unless the body snaps to its tracker.
+/// first one where the piece is, unless the body snaps.
 fn driven_bounds(state: &State, piece: usize) -> Bounds {
     let body = state.pieces.body[piece] as usize;
     let shape = &state.pieces.shape[piece];

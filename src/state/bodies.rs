@@ -55,6 +55,10 @@ impl Coupling {
     pub const SNAP_NEVER: u32 = 0;
     /// A detached body jumps to its tracker as soon as nothing is in the way there.
     pub const SNAP_WHEN_FREE: u32 = 1;
+    /// A detached body jumps to the place nearest to its tracker where nothing is in the way, as soon as there is one
+    /// within half of [`Self::divergence_m`]: one that stands on a floor, or whose tracker is in a table top, does so
+    /// too. It turns and bends as it is tracked.
+    pub const SNAP_NEAR: u32 = 2;
     /// The body pushes what is free as if it had no end of mass: without lag.
     pub const PUSH_WITHOUT_LAG: u32 = 0;
     /// The body pushes with the mass of its spring, and gives way to what is heavy, from the frame after the
@@ -81,7 +85,7 @@ impl Coupling {
             && range.contains(&self.damping_n_s_per_m)
             && self.divergence_m > 0.0
             && self.grace_s >= 0.0
-            && self.snap <= Self::SNAP_WHEN_FREE
+            && self.snap <= Self::SNAP_NEAR
             && self.push <= Self::PUSH_WITH_MASS
     }
 }

@@ -450,7 +450,7 @@ pub(crate) fn stays(state: &State, body: usize) -> Position {
 }
 
 /// Whether a loose object stopped a body that leaves overlap or snaps to its tracker, of which only the end is
-/// known to be clear: the body stays where it was. A snap's leg begins at the tracker.
+/// known to be clear: the body stays where it was. A snap's leg begins where it ends.
 fn stops_in_leap(state: &State, body: usize) -> bool {
     let leaves = state.bodies.report[body].flags & DrivenReport::OVERLAPS != 0;
     let first = state.legs.of(body).first();

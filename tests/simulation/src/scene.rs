@@ -194,7 +194,7 @@ impl Recipe {
 /// A coupling of usual or of extreme numbers.
 pub fn coupling(draw: &mut impl Draw) -> Coupling {
     let mut coupling = Coupling {
-        snap: u32::from(draw.once_in(4)),
+        snap: [0, 0, 0, 0, 0, 0, 1, 2][draw.below(8) as usize],
         push: u32::from(draw.once_in(2)),
         ..Coupling::DEFAULT
     };
