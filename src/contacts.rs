@@ -14,7 +14,8 @@ use crate::geometry::union::{
     NODES_USUAL, UNION_PAIRS_MAX, UnionPair, UnionScratch, least_translation,
 };
 use crate::limits::{
-    GAP_REST_M, GAP_TOUCHING_M, OVERLAP_SLOP_M, WAY_OUT_PAIR_UNITS, WAY_OUT_UNITS, WORLD_REACH_M,
+    GAP_REST_M, GAP_TOUCHING_M, OVERLAP_SLOP_M, WAY_OUT_OTHERS_MAX, WAY_OUT_PAIR_UNITS,
+    WAY_OUT_UNITS, WORLD_REACH_M,
 };
 use crate::math::Pose;
 use crate::state::State;
@@ -28,7 +29,7 @@ use crate::state::ways::{Position, is_own, lost_m, obstacle_bounds, obstacle_pos
 /// Where a driven body that overlaps fixed pieces or other driven bodies gets clear of the pairs whose gap may be
 /// less than `within_m`, moved as a whole; `None` when no way out was found.
 ///
-/// The search spends [`WAY_OUT_UNITS`] and [`WAY_OUT_PAIR_UNITS`] a pair and is not begun with fewer. It
+/// The search spends [`WAY_OUT_UNITS`], and [`WAY_OUT_PAIR_UNITS`] and more a pair, and is not begun with fewer. It
 /// keeps about 130 kB on the stack.
 pub(crate) fn way_out(
     state: &State,
@@ -40,7 +41,8 @@ pub(crate) fn way_out(
     let is_near = |pair: &&Pair| pair.gap < within_m && !is_own(state, pair);
     let near = || state.pairs.list[..pairs].iter().filter(is_near);
     let searched = near().count().min(UNION_PAIRS_MAX) as u32;
-    if !purse.take(WAY_OUT_UNITS + WAY_OUT_PAIR_UNITS * searched) {
+    let for_each = WAY_OUT_PAIR_UNITS + searched.min(WAY_OUT_OTHERS_MAX);
+    if !purse.take(WAY_OUT_UNITS + for_each * searched) {
         return None;
     }
     let mut listed: ArrayVec<UnionPair, UNION_PAIRS_MAX> = ArrayVec::new();

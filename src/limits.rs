@@ -109,8 +109,12 @@ pub const PLAN_UNITS: u32 = 1;
 /// It is not begun with fewer.
 pub const WAY_OUT_UNITS: u32 = 32;
 
-/// The same for each pair that the search looks at.
+/// The same for each pair that the search looks at, beside one for each pair that it is weighed against: itself and
+/// others, of which [`WAY_OUT_OTHERS_MAX`] count.
 pub const WAY_OUT_PAIR_UNITS: u32 = 12;
+
+/// See [`WAY_OUT_PAIR_UNITS`].
+pub const WAY_OUT_OTHERS_MAX: u32 = 16;
 
 /// One part in so many of a frame's time is kept for loose bodies that are awake.
 pub const LOOSE_SHARE: u64 = 4;

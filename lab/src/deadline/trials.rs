@@ -24,10 +24,13 @@ use crate::script::HandTarget;
 /// Frames a second of all trials.
 pub const RATE_HZ: f32 = 90.0;
 
-/// An avatar that furniture holds farther than this from its tracker snaps near it as soon as there is a place, in
-/// metres: what a host asks for whose users walk through furniture. Otherwise it would stand behind the first wall for
-/// most of the run, away from everything.
+/// An avatar that furniture holds farther than this from its tracker snaps to it as soon as nothing is in the way
+/// there, in metres: what a host asks for whose users walk through furniture. Otherwise it would stand behind the
+/// first wall for most of the run, away from everything.
 const AVATAR_SNAPS_M: f32 = 0.6;
+
+/// How high its soles are tracked above the floor, in metres, which is not to be in the way when it snaps.
+const WALKS_ABOVE_M: f32 = 0.02;
 
 /// An adversarial scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -321,7 +324,7 @@ impl Kit {
         set.gallery()?;
         let coupling = Coupling {
             divergence_m: AVATAR_SNAPS_M,
-            snap: Coupling::SNAP_NEAR,
+            snap: Coupling::SNAP_WHEN_FREE,
             ..Coupling::DEFAULT
         };
         let body = BodyDef {
@@ -337,7 +340,7 @@ impl Kit {
         let t = frame as f32 / RATE_HZ;
         let away = Vec3::new(
             1.2 + 2.4 * (0.35 * t).sin(),
-            seen.root.translation().y,
+            seen.root.translation().y + WALKS_ABOVE_M,
             0.9 + 1.1 * (0.47 * t).sin(),
         );
         seen.root = Pose::new(Quat::from_rotation_y(0.6 * t), away);
