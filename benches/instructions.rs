@@ -239,6 +239,7 @@ fn heaviest_frame(mut scene: Scene) -> Scene {
 #[benches::hand_pieces(args = [1, 2, 4, 8, 16, 32, 64], setup = growth::hand_pieces)]
 #[benches::chains(args = [1, 2, 4, 8, 16, 32, 64], setup = growth::chains)]
 #[benches::contacts(args = [1, 2, 4, 8, 16, 32, 64], setup = growth::contacts)]
+#[benches::overlaps(args = [1, 2, 4, 8, 16, 32, 64], setup = growth::overlaps)]
 fn growth_frame(mut scene: Scene) -> Scene {
     scene.step();
     scene

@@ -151,3 +151,19 @@ pub fn contacts(count: u32) -> Scene {
     }
     Scene::new(world, table).after(6)
 }
+
+/// A driven body that the host put into fixed boxes, so many of its pieces into one each; the frame that leads it out.
+pub fn overlaps(count: u32) -> Scene {
+    let mut world = world();
+    let body = add_body(&mut world, BodyKind::Driven, Pose::IDENTITY);
+    for number in 0..count {
+        let at = [0.2 * (number % 8) as f32, 0.0, 0.2 * (number / 8) as f32];
+        add_rod(&mut world, body, [0.03, 0.02, 0.04], at);
+        // Each a little otherwise: aside by up to 20 mm, and turned.
+        let aside = |salt: u32| 0.005 * ((number * salt) % 9) as f32 - 0.02;
+        let at = glam::Vec3::from(at) + glam::Vec3::new(aside(2), aside(4), aside(7));
+        let turn = glam::Quat::from_rotation_y(0.3 * number as f32);
+        add_box(&mut world, BodyKind::Fixed, Pose::new(turn, at), [0.03; 3]);
+    }
+    Scene::new(world, body)
+}
