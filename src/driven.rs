@@ -422,7 +422,10 @@ impl Walk {
         }
         looks::keep(state, self.body, self.pairs, &self.at);
         if let Some(root) = self.way_out(state, purse)? {
-            reach::stay(state, self.body, self.at.leg);
+            let bends = has_chains(state, self.body);
+            if bends {
+                reach::stay(state, self.body, self.at.leg);
+            }
             let goal = Position {
                 root,
                 share: 1.0,
@@ -430,7 +433,9 @@ impl Walk {
             };
             self.at = push_leg(state, self.body, &self.at, &goal, 1.0, 1.0);
             self.wanted.leg = self.at.leg;
-            reach::propose(state, self.body, self.at.leg);
+            if bends {
+                reach::propose(state, self.body, self.at.leg);
+            }
         }
         self.collect(state, &self.wanted.clone())?;
         if self.resumes || purse.is_closed() {
